@@ -22,11 +22,11 @@ import xarray as xr
 from pysprings import open_table
 from pysprings.cli.inputs import springs_of
 from pysprings.macro.batch import predict_batch
+from pysprings.macro.model import spring_sets
 from pysprings.macro.predict import (
     MacroModel,
     curve,
 )
-from pysprings.macro.sets import spring_sets
 
 CASES = 10_000
 REPEATS = 20

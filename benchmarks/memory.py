@@ -24,14 +24,14 @@ from benchmarks.memory_paths import Case, cases, scene_of
 from pysprings import Scene
 from pysprings.full_model.compute import run
 from pysprings.macro.cycles import errors, follow_path
-from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.build import with_memory
-from pysprings.macro.memory.calibration import calibrate
-from pysprings.macro.memory.candidates import candidates
-from pysprings.macro.memory.elements import REVERSIBLE, STATES
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.samples import samples
+from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.model import MacroModel
+from pysprings.memory.build import build_memory, with_memory
+from pysprings.memory.calibration import calibrate
+from pysprings.memory.candidates import candidates
+from pysprings.memory.elements import REVERSIBLE, STATES
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.samples import samples
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import SpringPath
@@ -57,14 +57,15 @@ def kept(path: Path, scene: Scene) -> Springs:
     return Springs.of(open_springs(path))
 
 
-def masing(springs: Springs, table: FanTable) -> MemoryModel:
+def masing(springs: Springs, table: FanTable) -> MemorySprings:
     """Return perfectly plastic elements that are fitted to the rays, and to pulls of the fan."""
     ways = [way for way in samples(springs, table) if not way.turns]
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
     every = candidates(reach)
     perfect = every.plastic[:, _PERFECT] == 0.0
     choice = every.chosen(np.pad(perfect, (0, sum(map(len, every[1:])))))
-    return MemoryModel(calibrate(ways, table, stiffness_of(springs), choice), table)
+    elements = calibrate(ways, table, stiffness_of(springs), choice)
+    return MemorySprings(table, springs.paths[table.path[0]], table.path, elements=elements)
 
 
 def stiffness_of(springs: Springs) -> np.ndarray:
@@ -76,8 +77,7 @@ def stiffness_of(springs: Springs) -> np.ndarray:
 def compared(springs: Springs) -> Iterator[list[str]]:
     """Yield a row a held-back path: what is compared, then errors [%] and error of the work [%] of each springs."""
     fan, memory = (MacroModel.from_springs(springs, name) for name in ("fan", "memory"))
-    assert memory.memory is not None
-    kinds = {"fan": fan, "Masing": replace(memory, memory=masing(springs, memory.memory.table)), "memory": memory}
+    kinds = {"fan": fan, "Masing": replace(memory, response=masing(springs, build_fan(springs))), "memory": memory}
     for path in springs.paths.values():
         if path.role != "calibration" and not path.is_vertical:
             found = {name: errors(follow_path(path, model)) for name, model in kinds.items()}
@@ -101,10 +101,9 @@ def _number(value: float, row: dict[str, Any], sign: str = "") -> str:
 
 def _heave(path: SpringPath, memory: MacroModel) -> str:
     """Return w at the end [mm], of the full model and of the springs with memory."""
-    assert memory.memory is not None
     motions = follow_path(path, memory).macro[0]
-    table = memory.memory.table
-    w = memory.memory.reactions(motions)[list(table.name).index("w")]
+    assert isinstance(memory.response, MemorySprings)
+    w = memory.response.reactions(motions)[list(memory.response.table.name).index("w")]
     last = len(motions) - 1
     return f"{1e3 * (path.w[last] - path.w[0]):.2f} / {1e3 * (w[-1] - path.w[0]):.2f}"
 
@@ -131,8 +130,7 @@ def _farthest(part: list[Aim]) -> str:
 
 def cost(springs: Springs) -> list[str]:
     """Return elements, numbers of the state, residual, seconds of the calibration and of 100,000 steps of loads."""
-    model = MacroModel.from_springs(springs, "memory").memory
-    assert model is not None
+    model = build_memory(springs.at())
     ways = samples(springs, model.table)
     seconds = _seconds(lambda: calibrate(ways, model.table, stiffness_of(springs)))
     largest = abs(float(model.solve("state", np.array([[0.3 * model.elements.reach, 0.0]]))[1][0, 0]))

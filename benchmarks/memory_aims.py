@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path
 from pysprings.macro.cycles_text import reaction_errors
-from pysprings.macro.fan import RANGE_SLACK, FanTable
+from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
+from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 

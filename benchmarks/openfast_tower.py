@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from pysprings import open_springs
-from pysprings.macro.memory.build import has_memory
+from pysprings.memory.build import has_memory
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.soildyn.library import build
 from pysprings.springs.springs import Springs

@@ -17,8 +17,8 @@ from .results.tables import open_table as open_table
 from .scene.load import Scene as Scene
 from .scene.load import load_scene as load_scene
 from .springs.checks import open_springs as open_springs
-from .springs.edge import reslice as reslice
 from .springs.extract import extract_springs as extract_springs
 from .springs.springs import Springs as Springs
-from .studies.atlas.file import open_atlas as open_atlas
+from .springs.tip_zone import reslice as reslice
+from .studies.atlas.model import open_atlas as open_atlas
 from .studies.sweep.dataset import open_study as open_study

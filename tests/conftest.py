@@ -26,7 +26,16 @@ COMPILING = (
     "pysprings/studies",
     "pysprings/core/test_threads",
 )
-LIGHT = ("pysprings/core", "fuzz", "pysprings/scene", "pysprings/springs", "pysprings/cli", "pysprings/macro", "")
+LIGHT = (
+    "pysprings/core",
+    "fuzz",
+    "pysprings/scene",
+    "pysprings/springs",
+    "pysprings/cli",
+    "pysprings/macro",
+    "pysprings/memory",
+    "",
+)
 TESTS = Path(__file__).parent
 
 

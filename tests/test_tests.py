@@ -14,7 +14,7 @@ from tests.support.place import ROOT
 # tests of a benchmark
 OF_BENCHMARKS = {
     "tests/pysprings/full_model/test_accuracy_benchmarks.py",
-    "tests/pysprings/macro/test_memory_aims.py",
+    "tests/pysprings/memory/test_aims.py",
     "tests/pysprings/model/test_domain_effect.py",
     "tests/verification/test_peers.py",
 }

@@ -34,8 +34,7 @@ def atlas(
     Errors of cases that are left out one by one, and of held-back pulls, are printed and stored in the file.
     """
     from pysprings.studies.atlas import build, check
-    from pysprings.studies.atlas.file import write_atlas
-    from pysprings.studies.atlas.model import family_of
+    from pysprings.studies.atlas.model import family_of, write_atlas
 
     target = out or Path(f"{family}.nc")
     if target.suffix != ".nc" or target.is_dir():

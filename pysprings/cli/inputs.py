@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.macro.sets import AnySprings
+    from pysprings.macro.model import AnySprings
 
 
 def springs_of(result: Path, strict: bool = False) -> xr.DataTree:

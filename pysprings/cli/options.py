@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from pysprings.cli.support import refuse
+from pysprings.cli.support import WRONG, quantities, refuse
+from pysprings.core.errors import UserInputError
 from pysprings.core.registry import Item, Registry
 from pysprings.core.words import Discretisation, FigureFormat, Figures, MeshPreset, TargetError
 from pysprings.macro.spring_sets import SPRING_SETS
@@ -48,6 +49,22 @@ def drawn(figures: Figures | None, none: bool) -> Figures | None:
     if none and figures not in (None, "none"):
         refuse("--no-figures", f"give either this or --figures {figures}")
     return "none" if none else figures
+
+
+_METAVARS = {"N": "FORCE", "N m": "MOMENT", "m": "LENGTH", "rad": "ANGLE", "m/s": "VELOCITY"}
+
+
+def quantity(flag: str, unit: str, example: str, words: str) -> Any:
+    """Return an option whose value is a quantity in SI; what is wrong is refused with that of all such options."""
+
+    def read(text: str) -> float | None:
+        try:
+            return quantities({flag: (text, unit, example)})[flag]
+        except UserInputError as error:
+            WRONG.extend(error.problems)
+            return None
+
+    return typer.Option(flag, metavar=_METAVARS[unit], help=words, parser=read)
 
 
 def named(flag: str, registry: Registry[Item], words: str, cases: list[Item] | None = None) -> Any:

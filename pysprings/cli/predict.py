@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,33 +12,19 @@ import typer
 
 from pysprings.cli.atlas_springs import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
 from pysprings.cli.inputs import springs_or_table
-from pysprings.cli.options import Changes, Json, SpringSet
-from pysprings.cli.support import print_json, quantities, refuse, to_stderr
+from pysprings.cli.options import Changes, Json, SpringSet, quantity
+from pysprings.cli.support import print_json, refuse, to_stderr
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.cli import predictions
-    from pysprings.macro.sets import AnySprings
+    from pysprings.macro.model import AnySprings
+    from pysprings.macro.predict import Asking
     from pysprings.macro.stiffness import Form
 
 POINTS = 50  # of a curve
 MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve'
-
-# quantity -> (option, SI unit, example)
-_QUANTITIES = {
-    "H": ("--H", "N", "2 MN"),
-    "arm": ("--arm", "m", "8 m"),
-    "M": ("--M", "N m", "3 MN m"),
-    "V": ("--V", "N", "4 MN"),
-    "u_max": ("--u-max", "m", "5 mm"),
-    "u": ("--u", "m", "3 mm"),
-    "rotation": ("--rotation", "rad", "0.5 mrad"),
-    "tilt": ("--tilt", "rad", "0.25 deg"),
-    "skirt_length": ("--skirt-length", "m", "4 m"),
-    "rate": ("--rate", "m/s", "0.1 mm/s"),
-    "reference_depth": ("--reference-depth", "m", "4 m"),
-}
 
 
 @dataclass(frozen=True)
@@ -59,26 +45,13 @@ class Question:
     sequence: Path | None = None
     points: int | None = None
 
-    @classmethod
-    def read(cls, texts: Mapping[str, str | None], sequence: Path | None, points: int | None) -> Question:
-        """Read quantities with units, by the names of the attributes.
-
-        Raises
-        ------
-        UserInputError
-            Texts that are no such quantities, and options that exclude each other or are missing.
-        """
-        values = quantities({_QUANTITIES[name][0]: (text, *_QUANTITIES[name][1:]) for name, text in texts.items()})
-        question = cls(**{name: values[_QUANTITIES[name][0]] for name in texts}, sequence=sequence, points=points)
-        question.refuse_contradictions()
-        return question
-
     @property
     def given(self) -> set[str]:
         """Options of quantities that are given."""
-        return {option for name, (option, *_) in _QUANTITIES.items() if getattr(self, name) is not None}
+        names = (each.name for each in fields(self) if each.name not in ("sequence", "points"))
+        return {f"--{name.replace('_', '-')}" for name in names if getattr(self, name) is not None}
 
-    def refuse_contradictions(self) -> None:
+    def __post_init__(self) -> None:
         """Raise UserInputError for loads and motions that are missing or given twice."""
         there = self.given
         motions = there & {"--u", "--rotation", "--tilt"}
@@ -106,16 +79,6 @@ class Question:
             refuse("--H", MISSING)
 
 
-@dataclass(frozen=True)
-class Choice:
-    """Springs that answer: name of a spring set, path for a set of one path, whether marked answers are refused."""
-
-    spring_set: str | None = None
-    path: str | None = None
-    strict: bool = False
-    extrapolate: bool = False
-
-
 def predict(
     result: Annotated[
         Path | None,
@@ -124,30 +87,24 @@ def predict(
             help="springs.nc, the folder of a run, or a p-y table; with --atlas a scene file, or none",
         ),
     ] = None,
-    load: Annotated[str | None, typer.Option("--H", metavar="FORCE", help='lateral load, e.g. "2 MN"')] = None,
-    arm: Annotated[
-        str | None, typer.Option("--arm", metavar="LENGTH", help='its height above mudline, e.g. "8 m"')
-    ] = None,
+    load: Annotated[float | None, quantity("--H", "N", "2 MN", 'lateral load, e.g. "2 MN"')] = None,
+    arm: Annotated[float | None, quantity("--arm", "m", "8 m", 'its height above mudline, e.g. "8 m"')] = None,
     moment: Annotated[
-        str | None,
-        typer.Option("--M", metavar="MOMENT", help='moment about the lid centre, H*arm, e.g. "3 MN m"'),
+        float | None, quantity("--M", "N m", "3 MN m", 'moment about the lid centre, H*arm, e.g. "3 MN m"')
     ] = None,
-    vertical: Annotated[str | None, typer.Option("--V", metavar="FORCE", help="vertical load, positive down")] = None,
+    vertical: Annotated[float | None, quantity("--V", "N", "4 MN", "vertical load, positive down")] = None,
     u_max: Annotated[
-        str | None,
-        typer.Option("--u-max", metavar="LENGTH", help='a whole curve up to this displacement, e.g. "5 mm"'),
+        float | None, quantity("--u-max", "m", "5 mm", 'a whole curve up to this displacement, e.g. "5 mm"')
     ] = None,
     points: Annotated[
         int | None, typer.Option("--points", help="points of the curve \\[default: 50]", min=2, max=10_000)
     ] = None,
-    u: Annotated[str | None, typer.Option("--u", metavar="LENGTH", help="the load at this displacement")] = None,
+    u: Annotated[float | None, quantity("--u", "m", "3 mm", "the load at this displacement")] = None,
     rotation: Annotated[
-        str | None,
-        typer.Option("--rotation", metavar="ANGLE", help="the load at this rotation; with --u: both imposed"),
+        float | None, quantity("--rotation", "rad", "0.5 mrad", "the load at this rotation; with --u: both imposed")
     ] = None,
     tilt: Annotated[
-        str | None,
-        typer.Option("--tilt", metavar="ANGLE", help="the lateral load that turns it by this angle"),
+        float | None, quantity("--tilt", "rad", "0.25 deg", "the lateral load that turns it by this angle")
     ] = None,
     sequence: Annotated[
         Path | None,
@@ -164,8 +121,8 @@ def predict(
         bool, typer.Option("--extrapolate", help="answer beyond the calibrated range of the springs, marked")
     ] = False,
     rate: Annotated[
-        str | None,
-        typer.Option("--rate", metavar="VELOCITY", help="of rho = |(u, rotation*L)|, for springs from several rates"),
+        float | None,
+        quantity("--rate", "m/s", "0.1 mm/s", "of rho = |(u, rotation*L)|, for springs from several rates"),
     ] = None,
     stiffness: Annotated[
         bool,
@@ -176,21 +133,20 @@ def predict(
     secant: Annotated[bool, typer.Option("--secant", help="stiffness from rest to each state, not tangent")] = False,
     symmetric: Annotated[bool, typer.Option("--symmetric", help="symmetric part of stiffnesses")] = False,
     reference_depth: Annotated[
-        str | None,
-        typer.Option("--reference-depth", metavar="LENGTH", help="point of stiffnesses on the axis, below mudline"),
+        float | None, quantity("--reference-depth", "m", "4 m", "point of stiffnesses on the axis, below mudline")
     ] = None,
     atlas: Annotated[
         str | None,
         typer.Option("--atlas", metavar="NAME|FILE", help=f"answer without a full model, by {SHIPPED_ATLASES}"),
     ] = None,
-    diameter: Annotated[str | None, typer.Option("--D", metavar="LENGTH", help="outer diameter, with --atlas")] = None,
-    length: Annotated[str | None, typer.Option("--L", metavar="LENGTH", help="skirt length, with --atlas")] = None,
+    diameter: Annotated[float | None, quantity("--D", "m", "9 m", "outer diameter, with --atlas")] = None,
+    length: Annotated[float | None, quantity("--L", "m", "6 m", "skirt length, with --atlas")] = None,
     changes: Changes = None,
     save_springs: Annotated[
         Path | None, typer.Option("--save-springs", metavar="FILE", help="write the springs of the atlas: .nc")
     ] = None,
     skirt_length: Annotated[
-        str | None, typer.Option("--skirt-length", metavar="LENGTH", help="of a table without depth_bottom_m")
+        float | None, quantity("--skirt-length", "m", "4 m", "of a table without depth_bottom_m")
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="write the answer to a file: csv, json or nc")
@@ -203,9 +159,9 @@ def predict(
     """
     from pysprings.cli import predictions
 
-    texts = {"H": load, "arm": arm, "M": moment, "V": vertical, "u_max": u_max, "u": u, "rotation": rotation}
-    texts |= {"tilt": tilt, "skirt_length": skirt_length, "rate": rate, "reference_depth": reference_depth}
-    question = Question.read(texts, sequence, points)
+    question = Question(
+        load, arm, moment, vertical, u_max, u, rotation, tilt, skirt_length, rate, reference_depth, sequence, points
+    )
     springs: AnySprings
     if atlas is not None:
         asked = Asked(atlas, result, diameter, length, tuple(changes or ()), save_springs, question.V)
@@ -215,11 +171,11 @@ def predict(
         if result is None:
             refuse("SPRINGS", "missing: springs.nc, the folder of a run, a p-y table, or --atlas")
         springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
-    choice = Choice(spring_set, path, strict, extrapolate)
-    states = answer(springs, question, choice)
+    asking: Asking = {"springs_kind": spring_set, "path": path, "strict": strict, "extrapolate": extrapolate}
+    states = answer(springs, question, asking)
     form: Form = {"secant": secant, "symmetric": symmetric}
     form["reference_depth"] = question.reference_depth or 0.0
-    matrices = _matrices(springs, states, question, choice, form) if stiffness or any(form.values()) else None
+    matrices = _matrices(springs, states, question, asking, form) if stiffness or any(form.values()) else None
     if out is not None:
         predictions.write(states, predictions.stiffness(matrices) if matrices else {}, out)
         print(out)
@@ -234,35 +190,33 @@ def predict(
         to_stderr(remarks)
 
 
-def answer(springs: AnySprings, question: Question, choice: Choice) -> xr.Dataset:
+def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Dataset:
     """Return the states of a question: the last one of a load or motion, all of a curve or sequence."""
     from pysprings.macro import predict
 
-    options = question
-    common: dict[str, Any] = {"springs_kind": choice.spring_set, "path": choice.path}
-    common |= {"strict": choice.strict, "extrapolate": choice.extrapolate}
-    if options.sequence is not None:
+    common: dict[str, Any] = {**asking}
+    if question.sequence is not None:
         from pysprings.results.tables.sequence import read_sequence
 
-        read = read_sequence(options.sequence)
-        common |= {"V": read.V if read.V is not None else options.V, "time": read.time}
+        read = read_sequence(question.sequence)
+        common |= {"V": read.V if read.V is not None else question.V, "time": read.time}
         states = predict.sequence(springs, read.targets, control=read.control, arm=read.arm, **common)
         return states.assign_attrs(question="sequence")
-    if options.u_max is not None:
+    if question.u_max is not None:
         return predict.curve(
-            springs, u_max=options.u_max, arm=options.arm or 0.0, n=options.points or POINTS, V=options.V, **common
+            springs, u_max=question.u_max, arm=question.arm or 0.0, n=question.points or POINTS, V=question.V, **common
         )
-    if options.tilt is not None:
-        return _tilted(springs, options, common)
-    if options.u is not None or options.rotation is not None:
-        common |= {"u": options.u, "rotation": options.rotation}
-        states = predict.way_to_motion(springs, arm=options.arm or 0.0, V=options.V, **common)
+    if question.tilt is not None:
+        return _tilted(springs, question, common)
+    if question.u is not None or question.rotation is not None:
+        common |= {"u": question.u, "rotation": question.rotation}
+        states = predict.way_to_motion(springs, arm=question.arm or 0.0, V=question.V, **common)
     else:
-        states = predict.way_to_load(springs, H=options.H, arm=options.arm, M=options.M, V=options.V, **common)
-        if options.H and options.M and options.H * options.M < 0.0:
+        states = predict.way_to_load(springs, H=question.H, arm=question.arm, M=question.M, V=question.V, **common)
+        if question.H and question.M and question.H * question.M < 0.0:
             from pysprings.results.tables.load_cases import below_mudline
 
-            states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(options.H, options.M)]
+            states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(question.H, question.M)]
     return states.isel(step=[-1])
 
 
@@ -295,14 +249,14 @@ def _at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
 
 
 def _matrices(
-    springs: AnySprings, states: xr.Dataset, question: Question, choice: Choice, form: Form
+    springs: AnySprings, states: xr.Dataset, question: Question, asking: Asking, form: Form
 ) -> predictions.Matrices:
     """Return the stiffness of the springs at each state, and the initial one; 6x6 where w is known."""
     from pysprings.cli import predictions
     from pysprings.macro import stiffness
     from pysprings.macro.predict import model_of
 
-    model = model_of(springs, choice.spring_set, choice.path, question.V)
+    model = model_of(springs, asking["springs_kind"], asking["path"], question.V)
     initial = stiffness.Form(**{**form, "secant": False})
     known = stiffness.has_six(springs)
     one = known and states.sizes["step"] == 1

@@ -51,7 +51,7 @@ def size(
     """
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
-    from pysprings.studies.atlas.file import open_atlas
+    from pysprings.studies.atlas.model import open_atlas
     from pysprings.studies.sizing.confirm import least_confirmed
     from pysprings.studies.sizing.search import Search, Wanted, bounds_of
 

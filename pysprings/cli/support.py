@@ -25,6 +25,7 @@ from pysprings.core.progress import PlainLines, Progress
 from pysprings.core.text import json_text, plain_table
 from pysprings.core.version import __version__
 
+WRONG: list[Problem] = []  # faults of options that read quantities, of the command line that is parsed
 LOG: ContextVar[Path | None] = ContextVar("log", default=None)  # of `pysprings run --log`
 
 
@@ -142,13 +143,17 @@ class Once(TyperCommand):
     """A command that refuses an option of one value that is given twice."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse the arguments of the command line. Exits with the code of user input where an option stands twice."""
+        """Parse the arguments; end with the code of user input where an option stands twice or is no quantity."""
         given = [text.partition("=")[0] for text in (args[: args.index("--")] if "--" in args else args)]
+        WRONG.clear()
         for param in self.params:
             names = [name for name in param.opts if name.startswith("-")]
             single = not getattr(param, "multiple", False) and not getattr(param, "is_flag", False)
-            if single and sum(given.count(name) for name in names) > 1:
-                error = refused(names[0], "is given twice: one value is needed")
-                to_stderr(str(error))
-                raise typer.Exit(error.exit_code)
-        return super().parse_args(ctx, args)
+            if not WRONG and single and sum(given.count(name) for name in names) > 1:
+                WRONG.append(Problem(key=names[0], message="is given twice: one value is needed"))
+        left = [] if WRONG else super().parse_args(ctx, args)
+        if WRONG:
+            error = UserInputError(WRONG)
+            to_stderr(str(error))
+            raise typer.Exit(error.exit_code)
+        return left

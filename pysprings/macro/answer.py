@@ -1,33 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""The answer of the macro-model: a dataset by step, marked where the springs do not support it."""
+"""The answer of the macro-model along a way: a dataset by step, marked, warned of or refused where springs lack."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+import warnings
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
-from pysprings.macro.ends import past_ends
-from pysprings.macro.fan import RANGE_SLACK, WIDEST, FanTable
-from pysprings.macro.history import Control, Turns
-from pysprings.macro.limit import Limit, past_peak, paths_at, range_used
-from pysprings.macro.solver import row_values
-from pysprings.macro.spread import NAMES, deviations
+from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
+from pysprings.macro.capacity import past_ends
+from pysprings.macro.response import Support
 from pysprings.macro.vertical_answer import Down, vertical_answer
+from pysprings.macro.ways import RANGE_SLACK, Along, Control, Limit, Turns
 
 if TYPE_CHECKING:
-    from pysprings.macro.curve_table import SpringTable
     from pysprings.macro.model import MacroModel
 
 Array = NDArray[np.float64]
-
-# States farther than this from the calibration path, relative to their size, are marked off_path.
-OFF_PATH = 0.10
 
 _KEPT = (
     "Conventions",
@@ -55,9 +49,7 @@ class Way:
     arm : height of the load [m]; None for independent cases.
     message : where the way ended before its aim; empty where it did not.
     time : (n,) [s] of the states from rest; None: not known.
-    aim : load (H, M) that was not carried where the way ended before it.
-    turned : marks of states after a turn of the way; None for independent states.
-    limit : returns the largest load within the range of the springs, given the number of the first state beyond it.
+    along : what of the way is to be marked.
     """
 
     states: Array
@@ -66,21 +58,55 @@ class Way:
     V: float | Array | None = None
     arm: float | None = None
     message: str = ""
-    aim: Array | None = None
-    turned: Turns | None = None
-    limit: Callable[[int], Limit] | None = None
+    along: Along = field(default_factory=Along)
     time: Array | None = None
+
+
+def trace(
+    model: MacroModel,
+    control: Control,
+    targets: Array,
+    arm: float = 0.0,
+    V: float | Array | None = None,
+    time: Array | None = None,
+) -> xr.Dataset:
+    """Return the answer of `MacroModel.solve` as a dataset by step, marked, warned of or refused where springs lack.
+
+    A way that ends early holds the steps reached; `status` is then "partial" and `message` has the place.
+    V [N] is one number, or one a target. time [s], one a target, from rest at 0 s: steps at another rate than that of
+    springs that have one are marked.
+    """
+    targets = np.asarray(targets, dtype=float)
+    states, loads, message = model.solve(control, targets, arm, V=V)
+    n = len(states)
+    down, at = V[:n] if isinstance(V, np.ndarray) else V, None if time is None else time[:n]
+    along = model.response.along(control, targets, arm, states, down, model.rest_load)
+    answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message, along, at))
+    return answer if at is None else _timed(model, answer, states, at)
+
+
+def _timed(model: MacroModel, answer: xr.Dataset, states: Array, time: Array) -> xr.Dataset:
+    """Return an answer with the times (n,) [s] of its states, and marks of steps at another rate."""
+    known = variables.GROUPS["prediction"]
+    found, off = answer.assign(time=("step", time, known["time"].attributes())), model.response.off_rates(states, time)
+    if off is None:
+        return found
+    found = found.assign(off_rate=("step", off.astype(np.int8), known["off_rate"].attributes()))
+    if not off.any():
+        return found
+    text = f"{off.sum()} of {off.size} steps are at another rate than that of the elements"
+    return found.assign_attrs(warnings=[*answer.attrs["warnings"], text])
 
 
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
     states, u, rotation = way.states, *way.states.T
-    support = _supported(model, states, way)
+    support = model.response.support(states, way.time, way.V)
     down = vertical_answer(model, support.w, support.V, way.V, states)
     depth = model.origin.depth
     nowhere = np.zeros(u.size, dtype=bool)
-    turned = way.turned or Turns(nowhere, nowhere)
-    past, refusals = past_ends(model, states, support.used, way.loads, down.values.get("V"), way.aim)
+    turned = way.along.turned or Turns(nowhere, nowhere)
+    past, refusals = past_ends(model, states, support.used, way.loads, down.values.get("V"), way.along.aim)
     values = {
         "u": u,
         "rotation": rotation,
@@ -95,14 +121,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
     values["turned_back"] = turned.back.astype(np.int8)
-    if support.water is not None:
-        values["p_water"] = support.water
-    if support.distance is not None:
-        values["path_distance"] = support.distance
-    if support.softened is not None:
-        values["past_peak"] = support.softened.astype(np.int8)
-    if support.distance is not None or turned.aside.any():
-        values["off_path"] = (support.off | turned.aside).astype(np.int8)
+    values |= _where_known(support, turned)
     values["beyond_end"] = past.astype(np.int8)
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
@@ -111,30 +130,38 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         coords["side"] = ("side", list(variables.SIDES), known["side"].attributes())
     tangent = model.tangents(states, down.tangent, way.V)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
-    data |= {name: (("step",), value, known[name].attributes()) for name, value in _deviations(model, way, tangent)}
+    lateral = tangent.values[:, ::2, ::2] if tangent.shape[1] == 3 else tangent.values
+    spread = model.response.deviations(way.control, states, lateral, way.arm or 0.0)
+    data |= {name: (("step",), value, known[name].attributes()) for name, value in spread}
     attrs = _attributes(model, way, support, turned, down, refusals)
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
 
 
-def _deviations(model: MacroModel, way: Way, tangent: xr.DataArray) -> Iterator[tuple[str, Array]]:
-    """Yield the standard deviations of springs of an atlas, by name; none of other springs."""
-    if model.spread is None or not isinstance(model.table, FanTable):
-        return
-    lateral = tangent.values[:, ::2, ::2] if tangent.shape[1] == 3 else tangent.values
-    spread = deviations(model.spread, model.table, way.control, way.states, lateral, way.arm or 0.0)
-    yield from zip(NAMES, spread.T, strict=True)
+def _where_known(support: Support, turned: Turns) -> dict[str, Array]:
+    """Return what not all springs have, by name."""
+    values: dict[str, Array] = {}
+    if support.water is not None:
+        values["p_water"] = support.water
+    if support.distance is not None:
+        values["path_distance"] = support.distance
+    if support.softened is not None:
+        values["past_peak"] = support.softened.astype(np.int8)
+    if support.distance is not None or turned.aside.any():
+        values["off_path"] = (support.off | turned.aside).astype(np.int8)
+    return values
 
 
 def _attributes(
-    model: MacroModel, way: Way, support: _Support, turned: Turns, down: Down, refusals: list[str]
+    model: MacroModel, way: Way, support: Support, turned: Turns, down: Down, refusals: list[str]
 ) -> dict[str, Any]:
     """Return the attributes of an answer: provenance, what was asked for, status, and sentences.
 
     refusals: beyond a limit load; beyond_range: what is beyond the calibrated range; warnings: other marks; remarks.
     """
     message = " ".join(filter(None, (way.message, down.message)))
+    edge = filter(None, [str(model.attrs.get("atlas_outside", ""))])  # of the full models of an atlas
     beyond = np.flatnonzero(support.used > 1.0 + RANGE_SLACK)
-    limit = way.limit(int(beyond[0])) if way.limit is not None and beyond.size else None
+    limit = way.along.limit(int(beyond[0])) if way.along.limit is not None and beyond.size else None
     outside = [_beyond(model, way.states, support.used, limit)] if beyond.size else []
     carried = f"; {limit}" if limit else ""
     return (
@@ -144,7 +171,7 @@ def _attributes(
         | (limit.attributes() if limit else {})
         | {"status": "partial" if message else "complete", "message": message}
         | {
-            "warnings": support.notes + turned.notes() + down.notes + _outside(model),
+            "warnings": [*support.notes, *turned.notes(), *down.notes, *edge, *way.along.notes],
             "beyond_range": outside + down.beyond,
         }
         | {"remarks": list(model.remarks), "path_end": _ends(model), "balance": model.balance}
@@ -152,165 +179,76 @@ def _attributes(
     )
 
 
-def _outside(model: MacroModel) -> list[str]:
-    """Return a sentence on springs of an atlas at or beyond the edge of its full models."""
-    text = str(model.attrs.get("atlas_outside", ""))
-    return [text] if text else []
-
-
 def _ends(model: MacroModel) -> str:
     """Return how the paths behind the lateral springs ended, in one text."""
-    ends = {name: model.ends[name].how for name in model.sources}
-    return ends[model.sources[0]] if len(ends) == 1 else ", ".join(f"{name}: {how}" for name, how in ends.items())
-
-
-@dataclass(frozen=True, slots=True)
-class _Support:
-    """Answers of the springs at states, besides the loads: w [m], V [N] by step, p (depth, step), and their support.
-
-    w and V are None for springs from a table; distance is None where no path is known; water, the part of p that pore
-    water carries (side, depth, step), where the springs do not have it; softened where no curve is known to soften.
-    """
-
-    w: Array | None
-    V: Array | None
-    p: Array
-    usable: NDArray[np.int8]
-    used: Array
-    distance: Array | None
-    off: NDArray[np.bool_]
-    notes: list[str]
-    water: Array | None = None
-    softened: NDArray[np.bool_] | None = None
-
-
-def _supported(model: MacroModel, states: Array, way: Way) -> _Support:
-    table = model.table
-    return _on_fan(model, table, states, way) if isinstance(table, FanTable) else _on_path(model, table, states)
-
-
-def _on_path(model: MacroModel, table: SpringTable, states: Array) -> _Support:
-    """Return the springs of one path."""
-    depth, used = model.origin.depth, range_used(table, states)
-    p, usable = _lateral(table, depth, states), _usable(table, depth)
-    if "u" not in model.origin:
-        softened, notes = past_peak(table, states)
-        return _Support(None, None, p, usable, used, None, np.zeros(used.size, dtype=bool), notes, softened=softened)
-    distance = _distance(_track(model), states * [1.0, model.length])
-    off = distance > OFF_PATH
-    w, V = (None, None) if model.stiffness_initial is None else _path_vertical(model, *states.T)
-    notes = _path_notes(model, distance, off)
-    return _Support(w, V, p, usable, used, distance, off, notes)
-
-
-def _on_fan(model: MacroModel, table: FanTable, states: Array, way: Way) -> _Support:
-    """Return the springs of a fan of rays."""
-    rows, places = table.rows(states)
-    if model.memory is not None:
-        rows = model.memory.reactions(states, way.time, way.V)
-    used, sector, nearest = table.support(states, places)
-    off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
-    usable = np.ones(model.origin.depth.size, dtype=np.int8)
-    (w,), (V,), p = (rows[table.name == name] for name in ("w", "V", "p"))
-    notes = _fan_notes(sector, off)
-    known = model.stiffness_initial is not None
-    water = rows[table.wet].reshape(-1, *p.shape) if table.wet.any() else None
-    return _Support(w if known else None, V if known else None, p, usable, used, np.sin(nearest), off, notes, water)
-
-
-def _track(model: MacroModel) -> Array:
-    """Return the states (u, rotation*L) [m] of the path the springs come from."""
-    return np.stack([model.origin.u, model.origin.turn], axis=1)
-
-
-def _lateral(t: SpringTable, depth: Array, states: Array) -> Array:
-    """Return the net p (depth, step) [N/m] that the springs give; 0 where the set has no spring."""
-    rows = np.flatnonzero(np.array(t.name) == "p")
-    p = np.zeros((depth.size, len(states)))
-    p[np.searchsorted(depth, t.depth[rows])] = row_values(
-        t.q[rows], t.r[rows], t.slope[rows], t.count[rows], t.read(states)[rows]
+    ends = {name: model.ends[name].how for name in model.response.sources}
+    return (
+        ends[model.response.sources[0]] if len(ends) == 1 else ", ".join(f"{name}: {how}" for name, how in ends.items())
     )
-    return p
-
-
-def _usable(t: SpringTable, depth: Array) -> NDArray[np.int8]:
-    """Return 1 at depths whose p is read from y over the whole path, else 0."""
-    own = (np.array(t.name) == "p") & t.natural & ~t.cut
-    return np.isin(depth, t.depth[own]).astype(np.int8)
-
-
-def _path_vertical(model: MacroModel, u: Array, rotation: Array) -> tuple[Array, Array]:
-    """Return w [m] and V [N] by step: functions of |u| (of |rotation| where that is the larger motion), flat beyond."""
-    track = np.abs(_track(model))
-    lead = int(np.argmax(track[-1] * [1.0, 0.999]))
-    motion = np.abs(u) if lead == 0 else np.abs(rotation) * model.length
-    grows = np.maximum.accumulate(track[:, lead])
-    return np.interp(motion, grows, model.origin.w), np.interp(motion, grows, model.origin["V"])
-
-
-def _distance(track: Array, states: Array) -> Array:
-    """Return the distance of states (n, 2) from a polyline or its mirror image, over their size; last piece open."""
-    start, piece = track[:-1], np.diff(track, axis=0)
-    length2 = np.maximum((piece**2).sum(axis=1), 1e-300)
-    ahead = np.append(np.ones(len(piece) - 1), np.inf)
-    shortest = np.full(len(states), np.inf)
-    for sign in (1.0, -1.0):
-        offset = sign * states[:, None, :] - start
-        along = np.clip((offset * piece).sum(axis=2) / length2, 0.0, ahead)
-        gap = offset - along[:, :, None] * piece
-        shortest = np.minimum(shortest, (gap**2).sum(axis=2).min(axis=1))
-    size = (states**2).sum(axis=1)
-    return np.sqrt(shortest / np.where(size > 0.0, size, np.inf))
 
 
 def _beyond(model: MacroModel, states: Array, used: Array, limit: Limit | None) -> str:
     """Return a sentence on states beyond the range of the springs, with the load within it and how its paths ended."""
-    table = model.table
-    if isinstance(table, FanTable):
-        where, what = f"the fan of {len(table.path)} paths: they reach", "the"
-    else:
-        where, what = f"path '{model.origin.name}': springs reach", "their"
+    where, what = model.response.range_words()
     text = f"beyond the range of {where} {used.max():.3g} times {what} calibrated "
     text += "displacement (limit 1)"
-    ends = [str(model.ends[name]) for name in paths_at(model, states[int(np.argmax(used))]) if name in model.ends]
+    ends = [
+        str(model.ends[name]) for name in model.response.paths_at(states[int(np.argmax(used))]) if name in model.ends
+    ]
     return "; ".join(filter(None, (text, "" if limit is None else str(limit), *ends)))
-
-
-def _path_notes(model: MacroModel, distance: Array, off: NDArray[np.bool_]) -> list[str]:
-    """Return a sentence on states that are far from the one path the springs come from."""
-    arm = model.origin.arm
-    height = f" (load height {arm:g} m)" if np.isfinite(arm) else ""
-    text = (
-        f"{off.sum()} of {off.size} states are off the path '{model.origin.name}'{height} "
-        f"they come from, by up to {distance.max(initial=0.0):.0%} (limit {OFF_PATH:.0%}): "
-        "springs do not transfer between load paths, check against the full model"
-    )
-    return [text] if off.any() else []
-
-
-def _fan_notes(sector: Array, off: NDArray[np.bool_]) -> list[str]:
-    """Return a sentence on states between rays too far apart."""
-    text = (
-        f"{off.sum()} of {off.size} states are between calibration paths {np.degrees(sector.max(initial=0.0)):.3g} "
-        f"degrees apart in (u, rotation*skirt_length) (limit {np.degrees(WIDEST):.3g}): add a path between them"
-    )
-    return [text] if off.any() else []
 
 
 def _provenance(model: MacroModel) -> dict[str, Any]:
     attrs = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
-    attrs["curves"] = "monotonic backbone, odd, last slope beyond the calibrated range"
-    if model.memory is not None:
-        attrs["curves"] = "elastoplastic elements in parallel, which remember reversals"
-    if isinstance(model.table, FanTable):
-        rays = zip(model.table.path, np.degrees(model.table.angle), strict=True)
-        rays_text = ", ".join(f"{name} ({angle:.1f} deg)" for name, angle in rays)
-        return attrs | {"path": f"{len(model.table.path)} paths", "rays": rays_text}
-    arm = float(model.origin.attrs.get("arm_m", np.nan))
-    attrs |= {"calibration_arm_m": arm} if np.isfinite(arm) else {}
-    return attrs | {
-        "path": model.origin.name,
-        "kind": model.origin.kind,
-        "n_other_carrier": int((~model.table.natural).sum()),
-        "n_cut": int(model.table.cut.sum()),
-    }
+    return attrs | {"curves": model.response.curves} | model.response.provenance()
+
+
+ASK = "--extrapolate (extrapolate=True) answers beyond it, marked"
+
+
+class MacroWarning(UserWarning):
+    """An answer of the macro-model that the springs support only in part."""
+
+
+class PredictionNotConverged(RunIncomplete):
+    """No equilibrium was found beyond a load; the message names it and the part that was reached."""
+
+
+class Care(TypedDict, total=False):
+    """Keywords on answers that springs support in part.
+
+    Attributes
+    ----------
+    strict : refuse every answer with a mark.
+    extrapolate : answer beyond the calibrated range, with marks; without, that is refused.
+    """
+
+    strict: bool
+    extrapolate: bool
+
+
+def raise_or_warn(answer: xr.Dataset, strict: bool = False, extrapolate: bool = False) -> xr.Dataset:
+    """Return an answer; raise where it is beyond the springs or partial, warn (raise, when strict) where it is marked.
+
+    Every answer passes here but those of `predict_batch`, which are marked by case.
+    """
+    if strict and extrapolate:
+        raise refused("strict", "refuses what extrapolate asks for: give one of them")
+    if answer.attrs["refusals"]:
+        raise _refusal(answer.attrs["refusals"])
+    beyond = answer.attrs["beyond_range"]
+    if beyond and not extrapolate:
+        raise _refusal([f"{text}; {ASK}" for text in beyond])
+    if answer.attrs["status"] != "complete":
+        raise PredictionNotConverged(answer.attrs["message"])
+    notes = [*beyond, *answer.attrs["warnings"]]
+    marks = [*notes, *filter(None, [str(answer.attrs.get("atlas_mesh", ""))])]
+    if strict and marks:
+        raise refused("strict", "; ".join(marks))
+    for note in notes:
+        warnings.warn(note, MacroWarning, stacklevel=4)
+    return answer.assign_attrs(warnings=notes)
+
+
+def _refusal(texts: list[str]) -> BeyondSprings:
+    return BeyondSprings([Problem(key="springs", message=text) for text in texts])

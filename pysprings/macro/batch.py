@@ -15,11 +15,10 @@ from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
-from pysprings.macro.fan import RANGE_SLACK
-from pysprings.macro.model import MacroModel
+from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
-from pysprings.macro.sets import AnySprings, typed
-from pysprings.macro.vertical_capacity import vertical_use
+from pysprings.macro.vertical_answer import vertical_use
+from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -72,8 +71,7 @@ def answer_loads(
     parts, order = [], []
     for at, rows in _alike(V, _range_of(source, choice.get("path"))):
         model = model_of(source, V=at, **choice)
-        if model.memory is not None:
-            raise refused("springs_kind", "springs with memory answer sequences, not independent cases: ask for 'fan'")
+        model.response.check_state("cases")
         parts.append(_answers(model, loads[rows], None if np.isnan(V[rows[0]]) else V[rows], extrapolate))
         order.append(rows)
     return _joined(parts, np.argsort(np.concatenate(order)))

@@ -13,11 +13,13 @@ the largest, or where the load has stopped growing: the stiffness along the way 
 the full model), and the load grows by less than `FLAT` of the relative growth of the motion. In
 sand 2 % of the stiffness at rest are left at half of the capacity (growth 0.2 to 0.4), in clay at 95 % of it (growth
 below 0.1). Else the load is what is known, and the capacity is larger. A limit load of the full model in this direction
-and at this vertical load comes first.
+and at this vertical load comes first: beyond it the macro-model has no answer, nor beyond the range of springs whose
+path met a limit load (`past_ends`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -28,11 +30,10 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import RANGE_END
-from pysprings.macro.ends import limit_loads_along
-from pysprings.macro.fan import RANGE_SLACK, FanTable
-from pysprings.macro.limit import paths_at, range_used
 from pysprings.macro.solver import follow_ways
-from pysprings.macro.spread import widening
+from pysprings.macro.ways import RANGE_SLACK
+from pysprings.springs.path import SAME_DIRECTION, same_loads
+from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -113,10 +114,10 @@ def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation:
 
     Its full models have too high loads there (`atlas_mesh`). `unbounded` marks where the motion has no upper bound.
     """
-    if model.spread is None or not isinstance(model.table, FanTable) or answer.attrs["control"] != "load":
-        return answer
     states = np.stack([answer["u"].values, answer["rotation"].values], axis=1)
-    factor = widening(model.spread, model.table, states, loads, utilisation)
+    factor = model.response.widening(states, loads, utilisation) if answer.attrs["control"] == "load" else None
+    if factor is None:
+        return answer
     factor = factor if model.attrs.get("atlas_mesh") else np.ones(len(factor))
     known = variables.GROUPS["prediction"]["unbounded"]
     motions = {name: answer[name] * factor for name in ("u_deviation", "rotation_deviation")}
@@ -161,7 +162,7 @@ class _Ways:
         aims = np.stack([s, np.zeros_like(s)], axis=-1)
         states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(s), dtype=np.int64)
         with np.errstate(all="ignore"):
-            follow_ways(self.model.arrays, self.G, self.C, self.scale, starts, aims, states, loads, reached)
+            follow_ways(self.model.response.arrays, self.G, self.C, self.scale, starts, aims, states, loads, reached)
         return states, loads, reached
 
     def along_load(self, loads: Array) -> Array:
@@ -171,7 +172,7 @@ class _Ways:
 
 def _ends(model: MacroModel, d: Array) -> _Ends:
     """Return where the ways along directions (n, 2) end."""
-    reach = np.full(len(d), _reach(model))
+    reach = np.full(len(d), model.response.farthest())
     for _ in range(LONGER + 1):
         ways = _Ways.along(model, d, reach)
         s = reach[:, None] * np.linspace(0.0, 1.0, STEPS + 1) ** 1.5
@@ -222,19 +223,10 @@ def _named(ways: _Ways, state: Array, size: Array) -> _Ends:
     return _Ends(peak, kind, source)
 
 
-def _reach(model: MacroModel) -> float:
-    """Return a motion [m] that leaves the range of the springs in most directions."""
-    table = model.table
-    if isinstance(table, FanTable):
-        return float(table.range.max()) * (1.0 + 1e-3)
-    lengths = np.where(table.a[:, 0] == 0.0, model.length, 1.0)
-    return 2.0 * float((table.range * lengths)[~table.cut].max(initial=1e-3))
-
-
 def _used(model: MacroModel, states: Array) -> Array:
     """Return how much of the range, or of the largest motion, states (n, k, 2) use; 1 is all."""
     flat = states.reshape(-1, 2)
-    return np.fmax(range_used(model.table, flat), _moved(model, flat)).reshape(states.shape[:2])
+    return np.fmax(model.response.range_used(flat), _moved(model, flat)).reshape(states.shape[:2])
 
 
 def _moved(model: MacroModel, states: Array) -> Array:
@@ -275,5 +267,60 @@ def _stiffness_left(ways: _Ways, state: Array, size: Array) -> tuple[Array, Arra
 
 def _origin(model: MacroModel, state: Array) -> str:
     """Return words for the paths that the springs at a state (2,) come from."""
-    names = [f"'{name}'" for name in paths_at(model, state)]
+    names = [f"'{name}'" for name in model.response.paths_at(state)]
     return f"{'paths' if len(names) > 1 else 'path'} {' and '.join(names)}"
+
+
+Marks = NDArray[np.bool_]
+
+
+def past_ends(
+    model: MacroModel, states: Array, used: Array, loads: Array, V: Array | None, aim: Array | None = None
+) -> tuple[Marks, list[str]]:
+    """Return which states (n, 2) = (u, rotation) are beyond a limit load, and a sentence on each such path.
+
+    used (n,) is the range that the lateral springs use, loads (n, 2) = (H, M), V (n,) [N] the vertical load, aim
+    (H, M) the load behind the last state that the springs did not carry (None: all were).
+    """
+    n, marks, ends = len(states), np.zeros(len(states), dtype=bool), dict[str, PathEnd]()
+    if aim is not None:
+        loads, V = np.vstack([loads, aim]), np.append(V, V[-1:]) if V is not None and V.size else None
+    for end, beyond in (*_ranges(model, states, used), *_capacities(model, loads, V)):
+        if beyond.any():
+            marks |= beyond[:n]
+            ends[end.path] = end
+    return marks, [f"the answer is beyond what the full model carried: {end}" for end in ends.values()]
+
+
+def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[PathEnd, Marks]]:
+    """Yield the limit loads of paths that the springs come from, and the states beyond the range of each."""
+    over = used > 1.0 + RANGE_SLACK
+    failed = [end for name in model.response.sources if (end := model.ends[name]).how == LIMIT_LOAD]
+    if not failed or not over.any():
+        return
+    yield from model.response.beyond(failed, states, over)
+
+
+def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+    """Yield limit loads of paths, and the loads beyond each, in its direction (or the opposite) and at its V."""
+    plane = loads / [1.0, model.length]
+    size = np.hypot(*plane.T)
+    directions = plane / np.where(size > 0.0, size, 1.0)[:, None]
+    for end, along in limit_loads_along(model, directions, V):
+        yield end, along & (size > np.hypot(end.H, end.M / model.length) * (1.0 + RANGE_SLACK))
+
+
+def limit_loads_along(model: MacroModel, directions: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+    """Yield limit loads of paths, the smallest last, and which directions (n, 2) in (H, M/L) are theirs, or opposite.
+
+    V (n,) [N] is that of the directions; None: all are at the V of every path.
+    """
+    sizes = {name: float(np.hypot(e.H, e.M / model.length)) for name, e in model.ends.items() if e.how == LIMIT_LOAD}
+    for name, size in sorted(sizes.items(), key=lambda pair: -pair[1]):
+        end = model.ends[name]
+        limit = np.array([end.H, end.M / model.length])
+        if size > 0.0:
+            (d0, d1), (H, M) = directions.T, limit / size  # sums by hand: a product of matrices rounds by its size
+            along, across = np.abs(d0 * H + d1 * M), np.abs(d1 * H - d0 * M)
+            same = (along > 0.0) & (across <= np.sin(SAME_DIRECTION) * np.hypot(along, across))
+            yield end, same if V is None else same & same_loads(V, end.V)

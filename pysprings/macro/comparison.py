@@ -7,7 +7,7 @@ rotation for the first, H and M for the second. With the sets "py" and "full" a 
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
 among the calibration paths and answers every path; "pisa" takes its lateral families from the pure translation among
 them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
-own, and so it is with several vertical loads (`pysprings.springs.between`, `pysprings.springs.between`). A path of
+own, and so it is with several vertical loads (`pysprings.springs.path_sets`, `pysprings.springs.path_sets`). A path of
 kind "vertical" is answered by the vertical springs (set "vertical"): V at equal w, its errors relative to the change of
 V from rest.
 
@@ -43,14 +43,13 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import VERTICAL
 from pysprings.macro import measures
-from pysprings.macro.history import Control
+from pysprings.macro.answer import trace
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import spring_sets
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.macro.trace import trace
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_answer import along_vertical
+from pysprings.macro.ways import Control
 from pysprings.springs.checks import SCHEMA
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs

@@ -26,9 +26,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.macro.history import Control
-from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import spring_sets
+from pysprings.macro.model import MacroModel, spring_sets
+from pysprings.macro.ways import Control
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 

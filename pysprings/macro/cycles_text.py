@@ -16,6 +16,7 @@ from pysprings.core.columns import Column, Table, records
 from pysprings.core.errors import refused
 from pysprings.macro.cycles import SETS, Followed, cycles, errors, sequences
 from pysprings.macro.fan import WATER, FanTable, reaction_rows
+from pysprings.macro.fan_springs import FanSprings
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -55,11 +56,12 @@ def by_depth(one: Followed) -> pd.DataFrame:
 def _reactions(one: Followed) -> tuple[FanTable, Array, Array]:
     """Return the layout of the reactions, and those of the full model and of the springs (rows, n), from the start."""
     assert one.model is not None
-    table, memory, states = one.model.table, one.model.memory, one.macro[0]
-    assert isinstance(table, FanTable)
+    response, states = one.model.response, one.macro[0]
+    assert isinstance(response, FanSprings)
+    table = response.table
     full = reaction_rows(one.path, bool(table.wet.any()))[:, : len(states)]
     time = one.path["time"][: len(states)] - one.path["time"][0] if "time" in one.path else None
-    macro = table.rows(states)[0] if memory is None else memory.reactions(states, time, one.V)
+    macro = response.reactions(states, time, one.V)
     return table, full - full[:, :1], macro - table.r[:, 0, :1]
 
 

@@ -32,8 +32,6 @@ Array = NDArray[np.float64]
 
 # Between rays farther apart than this an answer is marked off_path [rad].
 WIDEST = np.radians(60.0)
-# A spring may exceed its range by this share before it counts as extrapolated (rounding).
-RANGE_SLACK = 1e-6
 FEWEST = 2
 LAST = 0.02  # share of the range of a ray
 

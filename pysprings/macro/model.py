@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""The rigid caisson on its springs: built once from a spring set, then asked for reactions, tangents and paths."""
+"""The rigid caisson on its springs: which spring sets there are, and the model, built once and asked often."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -13,16 +13,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.errors import refused
 from pysprings.macro.curve_table import SpringTable
-from pysprings.macro.fan import FanTable
-from pysprings.macro.history import Control, ending, equations
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.sets import AnySprings, choose_set, typed
-from pysprings.macro.solver import FAN, ROWS, SpringArrays, follow, reactions, solve_cases, tangents
-from pysprings.macro.spread import Spread, build_spread
-from pysprings.macro.spring_sets import Built, SpringSet
-from pysprings.macro.user_curves import CurveSprings
+from pysprings.macro.fan import FanTable, has_fan
+from pysprings.macro.response import Response
+from pysprings.macro.rows import RowSprings
+from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
+from pysprings.macro.user_curves import FAMILIES, CurveSprings
 from pysprings.macro.vertical import VerticalTable, build_vertical
+from pysprings.macro.ways import Control
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import UNKNOWN, PathEnd
 from pysprings.springs.springs import Springs
@@ -41,12 +40,10 @@ class MacroModel:
 
     Attributes
     ----------
-    table
-        The springs as interpolation tables.
+    response
+        The lateral springs, and how they answer.
     spring_set
         Name of the spring set: see `pysprings.macro.spring_sets`.
-    origin
-        The path that the springs come from; the first ray of a fan; a path without states for free curves.
     stiffness_initial
         (3, 3) initial tangent of the full model for (u, w, rotation); None for springs of a table without a vertical
         path: their answers have no w and V.
@@ -59,32 +56,24 @@ class MacroModel:
     settled
         What is missing in w [m] of lateral springs that lie between two vertical loads: their settlement is that of
         the vertical springs.
-    ends, sources
-        How the paths of the springs ended, by name, and the names of those that the lateral springs come from.
+    ends
+        How the paths of the springs ended, by name.
     elastic_loads
-        Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.ends`.
+        Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.capacity`.
     behind
-        The paths themselves.
-    memory
-        Elements that remember, which answer sequences from rest in place of the table; None for all other sets.
-    spread
-        Standard deviation of a fan of an atlas; None for all other springs.
+        The paths that the lateral springs come from.
     """
 
-    table: SpringTable | FanTable
+    response: Response
     spring_set: str
-    origin: SpringPath
     stiffness_initial: Array | None
     attrs: dict[str, Any]
     remarks: tuple[str, ...] = ()
     vertical: VerticalTable | None = None
     settled: float = 0.0
     ends: Mapping[str, PathEnd] = field(default_factory=dict)
-    sources: tuple[str, ...] = ()
     elastic_loads: tuple[float, float] = (-np.inf, np.inf)
     behind: tuple[SpringPath, ...] = ()
-    memory: MemoryModel | None = None
-    spread: Spread | None = None
 
     @classmethod
     def from_springs(
@@ -94,26 +83,24 @@ class MacroModel:
 
         springs_kind is a name of `SPRING_SETS`; path selects the path of a set of one path ("full", "py"). p-y curves
         without companions give "py" with a remark. V [N] selects among springs at several vertical loads
-        (`pysprings.springs.between`; None: the load of the scene).
+        (`pysprings.springs.path_sets`; None: the load of the scene).
         """
         given = typed(springs)
         if isinstance(given, CurveSprings):
             return cls._from_curves(given, springs_kind, path)
         chosen = given if path is not None else given.at(V=V)
         spring_set = choose_set(chosen, springs_kind, path)
-        built = spring_set.build(chosen, path)
+        response = spring_set.build(chosen, path)
         vertical, settled = build_vertical(chosen), 0.0
         if vertical is not None and chosen.blended_loads is not None:
-            w, load = built.memory.rest if built.memory else (float(built.origin.w[0]), built.origin.load)
+            w, load = response.rest
             settled = vertical.displacement(load)[0] - w
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}
-        remarks = tuple(_remarks(chosen, spring_set, built, ends))
-        spread = build_spread(chosen, built.table) if isinstance(built.table, FanTable) else None
+        remarks = tuple(_remarks(chosen, spring_set, response, ends))
         return cls(
-            built.table, spring_set.name, built.origin, chosen.stiffness, attrs, remarks, vertical, settled, ends,
-            built.sources, _elastic_loads(given), tuple(chosen.paths[name] for name in built.sources),
-            built.memory, spread,
+            response, spring_set.name, chosen.stiffness, attrs, remarks, vertical, settled, ends,
+            _elastic_loads(given), tuple(chosen.paths[name] for name in response.sources),
         )  # fmt: skip
 
     @classmethod
@@ -123,8 +110,22 @@ class MacroModel:
         attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
         remarks = tuple(filter(None, (chosen.remark, curves.note, NO_VERTICAL)))
         ends = {each: PathEnd(each, UNKNOWN) for each in springs.sets}
-        table = curves.table(chosen.companions)
-        return cls(table, chosen.name, springs.origin(name), None, attrs, remarks, ends=ends)
+        rows = RowSprings(curves.table(chosen.companions), springs.origin(name))
+        return cls(rows, chosen.name, None, attrs, remarks, ends=ends)
+
+    def on_rows(self, table: SpringTable) -> MacroModel:
+        """Return the caisson on other rows, in place of its lateral springs."""
+        return replace(self, response=RowSprings(table, self.origin, self.response.sources))
+
+    @property
+    def table(self) -> SpringTable | FanTable:
+        """The backbones of the lateral springs as interpolation tables."""
+        return self.response.table
+
+    @property
+    def origin(self) -> SpringPath:
+        """Path that gives depths and the state at rest; without states for free curves."""
+        return self.response.origin
 
     @property
     def length(self) -> float:
@@ -149,16 +150,9 @@ class MacroModel:
         ]
         return max(lost, default=float("nan"))
 
-    @cached_property
-    def arrays(self) -> SpringArrays:
-        """The springs as the solver reads them."""
-        return SpringArrays(FAN if isinstance(self.table, FanTable) else ROWS, *self.table.solver_arrays)
-
     def reactions(self, u: float, rotation: float) -> tuple[Array, Array]:
         """Return the loads (H [N], M [N m]) that hold a state, and their tangent (2, 2) to (u, rotation)."""
-        force, tangent = np.zeros(2), np.zeros((2, 2))
-        reactions(self.arrays, float(u), float(rotation), force, tangent)
-        return force, tangent
+        return self.response.loads_at(u, rotation)
 
     def tangents(self, states: Array, down: Array | None = None, V: float | Array | None = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
@@ -169,11 +163,7 @@ class MacroModel:
         of the full model; springs from a table have none, and the matrix is (2, 2) for (u, rotation). Units: N/m
         for displacements, N m/rad for rotation, N/rad = N m/m between them.
         """
-        if self.memory is not None:
-            lateral = self.memory.tangents(states, V)
-        else:
-            lateral = np.zeros((len(states), 2, 2))
-            tangents(self.arrays, np.ascontiguousarray(states, dtype=float), lateral)
+        lateral = self.response.tangents(states, V)
         dofs = list(variables.DOFS) if self.stiffness_initial is not None else ["u", "rotation"]
         matrix = lateral
         if self.stiffness_initial is not None:
@@ -198,6 +188,8 @@ class MacroModel:
     ) -> tuple[Array, Array, str]:
         """Follow the equilibrium from the origin through targets.
 
+        Returns states (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message on where it ended when k < n.
+
         Parameters
         ----------
         control
@@ -211,48 +203,103 @@ class MacroModel:
             State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the fan).
         V
             Vertical load [N], one a target: springs with memory follow it, where they have rays on which it changes.
-
-        Returns
-        -------
-        tuple
-            States (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message with the place where it ended
-            when k < n.
         """
-        if self.memory is not None and start is None:
-            return self.memory.solve(control, targets, arm, V)
-        state, first = start or (np.zeros(2), np.zeros(2))
-        way = np.concatenate([[first], np.asarray(targets, dtype=float)])
-        drive, aims = equations(control, way, arm, self.table.load_scale)
-        out = np.zeros((2, *aims.shape))
-        with np.errstate(all="ignore"):  # an iterate that runs away is given up, with or without Numba
-            n, at0, at1 = follow(self.arrays, drive, state, aims, out[0], out[1])
-        states, loads = out[0, 1:n], out[1, 1:n]
-        return states, loads, "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
+        return self.response.solve(control, targets, arm, start, V)
 
     def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
         """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
-        drive, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
-        states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
-        solve_cases(self.arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
-        return states, loads, reached
+        return self.response.solve_cases(control, targets, arm)
 
 
-def _remarks(springs: Springs, chosen: SpringSet, built: Built, ends: Mapping[str, PathEnd]) -> Iterator[str]:
+def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapping[str, PathEnd]) -> Iterator[str]:
     """Yield the sentences that go with every answer."""
     if chosen.remark:
         yield chosen.remark
     if springs.stiffness is None:
         yield NO_VERTICAL
-    yield from built.remarks
+    yield from response.remarks
     if springs.of_atlas:
         yield OF_ATLAS.format(springs.attrs["source"], springs.attrs.get("atlas_cases", "?"))
         if mesh := str(springs.attrs.get("atlas_mesh", "")):
             yield mesh
-    if springs.of_full_model and any(ends[name].how == UNKNOWN for name in built.sources):
+    if springs.of_full_model and any(ends[name].how == UNKNOWN for name in response.sources):
         yield NO_ENDS
 
 
 def _elastic_loads(springs: Springs) -> tuple[float, float]:
-    """Return the vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.ends`)."""
+    """Return the vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.capacity`)."""
     loads = [each.V for each in springs.load_sets] or [springs.path().load]
     return min(loads) - abs(min(loads)), max(loads) + abs(max(loads))
+
+
+Typed = Springs | CurveSprings
+AnySprings = Typed | xr.DataTree
+
+
+def typed(springs: AnySprings) -> Typed:
+    """Return a tree as `Springs`; all others as they are."""
+    return springs if isinstance(springs, CurveSprings) else Springs.of(springs)
+
+
+def spring_sets(springs: AnySprings, path: str | None = None) -> list[str]:
+    """Return the names of the spring sets that springs can give.
+
+    "full" needs the companions of p, "pisa" a pure translation and a pure rotation, a fan two rays at least.
+    """
+    given = typed(springs)
+    lost = missing_companions(given, path)
+    return [each.name for each in SPRING_SETS if not (lost and each.companions) and _is_ready(given, each)]
+
+
+def missing_companions(springs: Typed, path: str | None = None) -> list[str]:
+    """Return the families (mtheta, base, lid) that the springs do not have; a spring file has them all."""
+    if isinstance(springs, CurveSprings):
+        return springs.pick(path)[1].missing()
+    name = path if path in springs.paths else next(iter(springs.paths), None)
+    return [] if name is None or "m" in springs.paths[name] else list(FAMILIES)
+
+
+def choose_set(springs: Typed, name: str | None, path: str | None) -> SpringSet:
+    """Return the spring set of a name (None: a fan, else the full set, else p-y alone).
+
+    Raises
+    ------
+    UserInputError
+        The name is unknown, or the springs cannot give the set.
+    """
+    lost = missing_companions(springs, path)
+    if name is None:
+        if len(lost) == len(FAMILIES):
+            return SPRING_SETS["py"]
+        rays = not isinstance(springs, CurveSprings) and has_fan(springs)
+        name = "fan" if path is None and not lost and rays else "full"
+    chosen = SPRING_SETS.find(name, "springs_kind")
+    if chosen.companions and lost:
+        message = (
+            f"the set '{name}' needs the companions of p: {', '.join(lost)} missing "
+            "(give zeros if there are none, or ask for the springs 'py')"
+        )
+        raise refused("springs", message)
+    if isinstance(springs, CurveSprings):
+        if not chosen.curves:
+            raise refused("springs", f"the set '{name}' needs recorded paths: rows with step, y_m and rotation_rad")
+    elif chosen.several:
+        _check_several(springs, chosen, path)
+    return chosen
+
+
+def _check_several(springs: Springs, chosen: SpringSet, path: str | None) -> None:
+    """Refuse one path, or paths of several rates, for a set that several paths make together."""
+    if path is not None:
+        raise refused("path", f"{chosen.several}: ask for the springs 'full' or 'py'")
+    if len(springs.rate_sets) > 1:
+        have = ", ".join(f"{1e3 * each.rate:.4g}" for each in springs.rate_sets)
+        raise refused(
+            "rate", f"the calibration paths have several rates ({have} mm/s, of rho): give one in their range"
+        )
+
+
+def _is_ready(springs: Typed, each: SpringSet) -> bool:
+    if isinstance(springs, CurveSprings):
+        return each.curves
+    return each.ready(springs) and not (each.several and len(springs.rate_sets) > 1)

@@ -19,16 +19,16 @@ Beyond the calibrated range there is no answer (`BeyondSprings`), unless `extrap
 paths that it comes from. Answers that the springs support in part are marked:
 
 - `off_path`: with springs of one path, far from it (their p and m hold on that path only); with a fan, between rays
-  more than 60 degrees apart; from where a sequence leaves its first direction (`pysprings.macro.history`);
+  more than 60 degrees apart; from where a sequence leaves its first direction (`pysprings.macro.ways`);
 - `turned_back`: from where a sequence turns back;
-- `off_load`: under a vertical load other than those of the lateral springs (`pysprings.springs.between`; between
+- `off_load`: under a vertical load other than those of the lateral springs (`pysprings.springs.path_sets`; between
   sets at several loads they are interpolated). H and M are those at the nearest load, w follows the vertical springs
   (`pysprings.macro.vertical`), or without them the elastic vertical stiffness.
 
 With `strict` such an answer raises an error.
 
-Beyond a limit load of the full model there is no answer at all (`pysprings.macro.ends`). Every answer has the largest
-load that is known in the direction of its own (`pysprings.macro.capacity`) and the share of it, `utilisation`.
+Beyond a limit load of the full model there is no answer at all. Every answer has the largest load that is known in the
+direction of its own (`pysprings.macro.capacity`) and the share of it, `utilisation`.
 
 Springs are odd: a load towards -x is the mirror image of one towards +x. They are monotonic backbones, used as they
 are in both ways: the body is nonlinear elastic, and a load path that turns back goes back on the same curve.
@@ -44,13 +44,11 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_arrays, check_numbers
 from pysprings.core.errors import refused
+from pysprings.macro.answer import Care, MacroWarning, PredictionNotConverged, raise_or_warn, trace
 from pysprings.macro.capacity import with_capacity
-from pysprings.macro.history import Control
-from pysprings.macro.model import MacroModel
-from pysprings.macro.refusal import Care, MacroWarning, PredictionNotConverged, raise_or_warn
-from pysprings.macro.sets import AnySprings
-from pysprings.macro.trace import timed, trace
-from pysprings.macro.vertical_capacity import with_vertical_use
+from pysprings.macro.model import AnySprings, MacroModel
+from pysprings.macro.vertical_answer import with_vertical_use
+from pysprings.macro.ways import Control
 
 __all__ = [
     "MacroModel", "MacroWarning", "PredictionNotConverged", "SpringChoice", "curve", "impose", "model_of", "predict",
@@ -59,7 +57,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-ELASTIC = "the springs are nonlinear elastic: a path that turns back goes back on the same curve, without hysteresis"
 STEPS = 25  # on the way from the origin to one load or motion
 
 
@@ -228,9 +225,8 @@ def sequence(
     model = model_of(springs, V=first, **choice)
     at = None if time is None else np.asarray(time, dtype=float)
     answer = trace(model, control, rows, arm, down if down is not None and down.ndim else first, at)
-    answer = answer if at is None else timed(model, answer, at)
-    remarks = [] if model.memory is not None else [ELASTIC]
-    return _answered(model, answer.assign_attrs(remarks=[*answer.attrs["remarks"], *remarks]), care)
+    remarks = [*answer.attrs["remarks"], *model.response.sequence_remarks]
+    return _answered(model, answer.assign_attrs(remarks=remarks), care)
 
 
 def model_of(

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import refused
-from pysprings.macro.model import MacroModel
+from pysprings.macro.answer import Care
+from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import Asking, impose, model_of, predict
-from pysprings.macro.refusal import Care
-from pysprings.macro.sets import AnySprings, typed
 from pysprings.macro.user_curves import CurveSprings
 
 Array = NDArray[np.float64]
@@ -201,10 +200,7 @@ def _state(model: MacroModel, load: Load, asking: Asking) -> xr.Dataset:
 def _at_state(model: MacroModel, state: xr.Dataset, form: Form) -> tuple[Array, str]:
     if not form.get("secant"):
         return state["stiffness"].values, "tangent stiffness of the springs at the state"
-    if model.memory is not None:
-        raise refused(
-            "springs_kind", "springs with memory have no secant stiffness of a state: ask for the springs 'fan'"
-        )
+    model.response.check_state("secant")
     V = float(state["V"]) if "V" in state else None
     return secant(model, float(state["u"]), float(state["rotation"]), V), "secant stiffness of the springs at the state"
 

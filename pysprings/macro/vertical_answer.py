@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The vertical part of an answer: w, V, the stiffness of w, and marks of vertical loads that the springs lack."""
+"""The vertical part of an answer: w, V, the stiffness of w, marks of loads that the springs lack, and the largest V.
+
+A vertical load that the springs were not made for is answered from an elastic stiffness only where it differs from
+theirs by no more than theirs: without vertical springs from 0 to twice the load of the paths.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +16,11 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
-from pysprings.macro.ends import past_elastic
-from pysprings.macro.vertical import VerticalTable
-from pysprings.springs.path import SpringPath, same_load
+from pysprings.core.words import RANGE_END
+from pysprings.macro.response import list_of, other_load
+from pysprings.macro.vertical import FLAT, Branch, VerticalTable
+from pysprings.springs.path import SpringPath, same_load, same_loads
+from pysprings.springs.path_ends import LIMIT_LOAD
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -57,18 +63,18 @@ def vertical_answer(
         if imposed is not None:
             raise refused("V", "these springs come from a table without vertical paths (family tz): leave V out")
         return Down()
-    w = w + _settled(model, imposed)
+    response = model.response
+    w = w + response.settled(model.vertical, imposed, model.settled)
     if imposed is None:
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
-    follows = model.memory is not None and model.memory.under(down) is not None
-    lacks = other if model.memory is None else model.memory.lacks(down, other)
-    moved = lacks & (states != 0.0).any(axis=1)
+    follows = response.follows(down)
+    moved = response.lacks(down, other) & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
-        notes = [_not_the_paths(model, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
+        notes = [other_load(model.origin, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
         notes = [note if follows and not moved.any() else f"{note}, lateral springs unchanged" for note in notes]
         past, beyond = past_elastic(model, down, other)
         lacking = moved if follows else other | moved
@@ -78,37 +84,16 @@ def vertical_answer(
             notes=notes,
             beyond=beyond,
         )
-    there = model.vertical.displacements(down) if model.memory is None else model.vertical.history(down)
+    there = response.settle(model.vertical, down)
     used, own = there[2], there[-1]
     return Down(
         marks | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
-        _notes(model, down, moved),
+        response.lacks_notes(down, moved),
         _beyond(model, down, own),
         _no_equilibrium(model, down[np.isnan(own)]),
     )
-
-
-def _settled(model: MacroModel, V: float | Array | None) -> float:
-    """Return what w [m] of the lateral springs at rest lacks to that of the vertical ones, at the V of their start."""
-    changing = None if model.memory is None else model.memory.under(V)
-    if model.memory is None or model.vertical is None or changing is None:
-        return model.settled
-    w, load = model.memory.rest_under(V)
-    recorded = any(same_load(load, each) for each in changing.loads)
-    return 0.0 if recorded else float(model.vertical.displacement(load)[0]) - w
-
-
-def _notes(model: MacroModel, down: Array, moved: NDArray[np.bool_]) -> list[str]:
-    """Return a sentence on states under another V than that of the lateral springs, or after one."""
-    if not moved.any():
-        return []
-    if model.memory is None:
-        return [_not_the_paths(model, down[moved]) + "lateral springs unchanged"]
-    there = "unchanged" if model.memory.under(down) is None else "are those at the nearest load"
-    text = f"{moved.sum()} of {moved.size} states are under another V than {model.memory.loads_text()}, or come after "
-    return [f"{text}one: lateral springs {there}"]
 
 
 def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
@@ -157,14 +142,73 @@ def _no_equilibrium(model: MacroModel, V: Array) -> str:
     assert model.vertical is not None
     if not V.size:
         return ""
-    return f"macro-model: no vertical equilibrium under V = {_list(V)} N; the springs carry {model.vertical.limits()}"
+    return f"macro-model: no vertical equilibrium under V = {list_of(V)} N; the springs carry {model.vertical.limits()}"
 
 
-def _not_the_paths(model: MacroModel, V: Array) -> str:
-    path, own = model.origin.name, model.origin.load
-    return f"V = {_list(V)} N is not that of path '{path}' ({own:.7g} N): "
+def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
+    """Return the largest known vertical load in the direction of V [N, positive down], its kind, and where it is from.
+
+    Pressure takes the path downwards, tension the one upwards. NaN and blank words where that path is missing, or does
+    not come to a load of this sign.
+    """
+    sign = 1.0 if V >= 0.0 else -1.0
+    branch = None if model.vertical is None else next((b for b in model.vertical.branches if b.sign == sign), None)
+    if branch is None:
+        return np.nan, "", ""
+    largest = sign * float((sign * branch.r[-1]).max())
+    if sign * largest <= 0.0:
+        return np.nan, "", ""
+    end = model.ends.get(branch.path)
+    if end is not None and end.how == LIMIT_LOAD:
+        return largest, f"{LIMIT_LOAD} of the full model", f"path '{branch.path}' {end.words}"
+    stopped = end is not None and end.failed
+    kind = "limit load of the springs" if _is_flat(branch) and not stopped else RANGE_END
+    source = f"path '{branch.path}', at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
+    return largest, kind, f"{source}; it stopped: {end.why}" if end is not None and stopped else source
 
 
-def _list(V: Array) -> str:
-    values = np.unique(V)
-    return ", ".join(f"{value:.7g}" for value in values[:3]) + (" ..." if values.size > 3 else "")
+def with_vertical_use(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
+    """Return an answer with `utilisation_V` by step or case, and the largest known V of its last state as attributes.
+
+    Unchanged where it has no V or the springs no vertical paths.
+    """
+    if model.vertical is None or "V" not in answer:
+        return answer
+    V = answer["V"].values
+    known = variables.GROUPS["prediction"]["utilisation_V"].attributes()
+    added = answer.assign(utilisation_V=(answer["V"].dims, vertical_use(model, V)["utilisation_V"], known))
+    return added.assign_attrs(_largest_attributes(*largest_vertical(model, float(V[-1])))) if V.size else added
+
+
+def vertical_use(model: MacroModel, V: Array) -> dict[str, Any]:
+    """Return by vertical load V (n,) [N] the largest known one of its sign, its kind, and the share of it that is used.
+
+    Names: capacity_V, capacity_V_kind, utilisation_V; NaN and blank where none is known.
+    """
+    down, up = (largest_vertical(model, sign) for sign in (1.0, -1.0))
+    largest = np.where(V >= 0.0, down[0], up[0])
+    kind = np.where(V >= 0.0, np.array(down[1], dtype=object), np.array(up[1], dtype=object))
+    return {"capacity_V": largest, "capacity_V_kind": kind, "utilisation_V": V / largest}
+
+
+def _largest_attributes(largest: float, kind: str, source: str) -> dict[str, Any]:
+    return {"capacity_V_N": largest, "capacity_V_kind": kind, "capacity_V_from": source} if kind else {}
+
+
+def _is_flat(branch: Branch) -> bool:
+    """Return whether the load has stopped growing at the end of a curve."""
+    chord = (branch.r[-1, -1] - branch.r[-1, -2]) / (branch.x[-1] - branch.x[-2])
+    return bool(branch.sign * chord < FLAT * abs(branch.slope[-1, 0]))
+
+
+def past_elastic(model: MacroModel, V: Array, elastic: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], list[str]]:
+    """Return which vertical loads V (n,) [N] are beyond an elastic stiffness, of those it answers, and a sentence."""
+    low, high = model.elastic_loads
+    marks = elastic & ((low > V) | (high < V)) & ~same_loads(V, low) & ~same_loads(V, high)
+    if not marks.any():
+        return marks, []
+    worst = V[marks][np.argmax(np.abs(V[marks]))]
+    return marks, [
+        f"V = {worst:.7g} N: without vertical springs in this direction V is known from {low:.7g} to {high:.7g} N "
+        "(a change no larger than the vertical load of the paths): add a path of kind 'vertical'"
+    ]

@@ -22,7 +22,7 @@ from pysprings.full_model.compute import RunOptions, Sink, run_into, scene_to_ru
 from pysprings.full_model.record import Meter
 from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import ATTRIBUTE, Computed, RunRecord
-from pysprings.macro.memory.build import with_memory
+from pysprings.macro.spring_sets import with_stored
 from pysprings.model.forecast.resources import refuse_full_disk
 from pysprings.results.exporters import EXPORTERS, Source, Target, export
 from pysprings.results.exporters.csv import write_frame, write_load_displacement
@@ -238,7 +238,7 @@ def _made(record: RunRecord, name: str, make: Callable[[], T], errors: list[Exce
 def _springs(result: xr.DataTree) -> xr.DataTree | None:
     """Return the springs of a result; None when too little converged."""
     try:
-        return with_memory(extract_springs(result))
+        return with_stored(extract_springs(result))
     except UserInputError:
         if result.attrs["status"] == "complete":
             raise

@@ -108,7 +108,7 @@ def _vertical(run: Run) -> str:
     """Give V at rest, and the largest vertical loads that the springs carry; empty without vertical springs."""
     from pysprings.core.errors import PyspringsError
     from pysprings.macro.model import MacroModel
-    from pysprings.macro.vertical_capacity import largest_vertical
+    from pysprings.macro.vertical_answer import largest_vertical
 
     if run.springs is None:
         return ""

@@ -6,51 +6,18 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pysprings.core.card import caisson_drawing, card, curves_drawing
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from pysprings.springs.path import SpringPath
+    from pysprings.springs.springs import Springs
 
 
-class Shown(Protocol):
-    """What a card shows of springs (`pysprings.springs.springs.Springs`)."""
-
-    @property
-    def root(self) -> Any:
-        """Variables and attributes of the whole caisson."""
-
-    @property
-    def paths(self) -> Mapping[str, SpringPath]:
-        """Paths by name."""
-
-    @property
-    def attrs(self) -> Mapping[Any, Any]:
-        """Attributes of the file."""
-
-    @property
-    def length(self) -> float:
-        """Skirt length [m]."""
-
-    @property
-    def drainage(self) -> str:
-        """Drainage of the run."""
-
-    @property
-    def lateral_stiffness(self) -> NDArray[np.float64]:
-        """Initial stiffness (2, 2) to u and rotation."""
-
-    @property
-    def stiffness(self) -> NDArray[np.float64] | None:
-        """Initial stiffness (3, 3); None where there is none."""
-
-
-def springs_card(springs: Shown, title: str = "Springs", more: Mapping[str, str] | None = None) -> str:
+def springs_card(springs: Springs, title: str = "Springs", more: Mapping[str, str] | None = None) -> str:
     """Return springs, or the paths of a result in this form, as HTML of a few kB; `more` are further lines."""
     paths, diameter = list(springs.paths.values()), springs.attrs.get("outer_diameter_m", math.nan)
     name = str(springs.attrs.get("title", ""))
@@ -65,7 +32,7 @@ def springs_card(springs: Shown, title: str = "Springs", more: Mapping[str, str]
     return card(f"{title}: {name}" if name else title, lines | dict(more or {}), [*drawings, loads_drawing(paths)])
 
 
-def stiffness_text(springs: Shown) -> str:
+def stiffness_text(springs: Springs) -> str:
     """Return the initial stiffness at the lid centre; blank where none is held."""
     if "stiffness_initial" not in springs.root:
         return ""

@@ -21,11 +21,12 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.files.written import is_device
+from pysprings.core.magnitudes import LARGEST, SMALLEST_AT_ALL
 from pysprings.core.path_kinds import PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.units import quoted
-from pysprings.springs.numbers import is_number, name_fault, number_faults, text_of
 from pysprings.springs.path import RecordedPath, paths_of
-from pysprings.springs.path_ends import end_faults
+from pysprings.springs.path_ends import end_faults, is_number, text_of
 from pysprings.springs.sums import BALANCED, balance_faults, by_depth
 
 SCHEMA = "pysprings-springs-4"
@@ -204,3 +205,46 @@ def save_springs(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     """Validate a spring set and write it as NetCDF, atomically; return its path."""
     validate_springs(tree)
     return write_tree(tree, path)
+
+
+LABELS = ("side", "component", "dof", "dof_conjugate")
+_UNITS = {"radian": "rad", "N m-1": "N/m", "N m m-1": "N m/m"}  # UDUNITS text -> key of LARGEST
+
+MOST_LETTERS = 60
+_NOT_FIRST = "=+-@. "  # a spreadsheet would read a formula, a shell an option, a folder something else
+
+
+def name_fault(name: str) -> str:
+    """Return what is wrong with the name of a path in a file; empty where nothing is."""
+    if not name.isprintable() or "/" in name:
+        return "a path's name has no '/' and no invisible characters"
+    if name.startswith(tuple(_NOT_FIRST)) or len(name) > MOST_LETTERS:
+        return f"a path's name has at most {MOST_LETTERS} characters, the first of them none of = + - @ . and blank"
+    if is_device(name) or name.endswith((".", " ")):
+        return (
+            "a path's name names files, too: Windows refuses this one (CON, NUL, COM1 ..., or '.' or blank at its end)"
+        )
+    return ""
+
+
+def number_faults(dataset: xr.Dataset, group: str) -> Iterator[tuple[str, str]]:
+    """Yield (variable, message) for variables of a group of `variables.GROUPS` that are no numbers, or too large."""
+    for key, data in dataset.variables.items():
+        name = str(key)
+        if name in LABELS:
+            continue
+        if data.dtype.kind not in "iufb":
+            yield name, f"holds no numbers (type {data.dtype})"
+            continue
+        known = variables.GROUPS[group].get(name)
+        units = known.units if known else "1"
+        largest = LARGEST.get(_UNITS.get(units, units), np.inf)
+        if group == "springs_root":  # a stiffness of mixed units
+            largest = 1e30
+        values = np.abs(data.values.astype(float))
+        worst = float(values[np.isfinite(values)].max(initial=0.0))
+        least = float(values[values > 0.0].min(initial=np.inf))
+        if worst > largest:
+            yield name, f"{worst:.3g} is beyond {largest:.0e} {units}"
+        elif least < SMALLEST_AT_ALL:
+            yield name, f"{least:.3g} is too small to be anything but 0"

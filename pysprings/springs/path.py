@@ -36,6 +36,11 @@ def same_load(a: float, b: float) -> bool:
     return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
 
 
+def same_loads(values: Array, other: float) -> NDArray[np.bool_]:
+    """Return which vertical loads (n,) [N] are one with another."""
+    return np.array([same_load(value, other) for value in values], dtype=bool)
+
+
 def is_rate(a: float, b: float) -> bool:
     """Return whether two rates [m/s] are one."""
     return max(a / b, b / a) <= CLOSE

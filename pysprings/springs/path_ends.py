@@ -21,7 +21,6 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.words import StopReason
-from pysprings.springs.numbers import is_number, text_of
 
 REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", str(StopReason.LIMIT_LOAD), "stopped", "not known"
 ENDS = (REACHED, LIMIT_LOAD, STOPPED)
@@ -127,3 +126,13 @@ def end_faults(attrs: dict[Any, Any]) -> Iterator[tuple[str, str]]:
             yield key, "not a number"
     if attrs.get("end") == LIMIT_LOAD and not {"end_H_N", "end_M_Nm"} <= set(attrs):
         yield "end_H_N", "a limit load needs the loads at the end (end_H_N, end_M_Nm)"
+
+
+def is_number(value: Any) -> bool:
+    """Return whether an attribute is one finite number."""
+    return isinstance(value, int | float | np.number) and bool(np.isfinite(value))
+
+
+def text_of(value: Any) -> str:
+    """Return an attribute that should be a text; empty where it is something else."""
+    return value if isinstance(value, str) else ""

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
-from pysprings.springs import between
-from pysprings.springs.between import Between, LoadSet, RateSet
+from pysprings.springs import path_sets
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.path import SpringPath, is_rate, paths_of, pure_of, rays_of, same_load
 from pysprings.springs.path_ends import PathEnd
+from pysprings.springs.path_sets import Between, LoadSet, RateSet
 
 SPREAD = "atlas"  # group of the standard deviation that springs of an atlas have
 _DIMS = ("mode", "ray", "knot")
@@ -68,7 +68,7 @@ class Springs:
     ----------
     root : initial stiffness, and attributes: geometry of the caisson, and where the springs come from.
     paths : load paths by name, in the order of the file.
-    memory : calibrated elements of springs with memory (`pysprings.macro.memory`) by name of their group, one for each
+    memory : calibrated elements of springs with memory (`pysprings.memory`) by name of their group, one for each
         vertical load and rate; empty where none are stored.
     spread : standard deviation of springs of an atlas (`check_spread`); None for those of a full model.
     whole : springs at all vertical loads, of springs at one of several; else None.
@@ -227,17 +227,17 @@ class Springs:
     @cached_property
     def load_sets(self) -> tuple[LoadSet, ...]:
         """Lateral calibration paths by vertical load, lightest first."""
-        return between.load_sets(self.lateral)
+        return path_sets.load_sets(self.lateral)
 
     @cached_property
     def main_paths(self) -> tuple[str, ...]:
         """Lateral calibration paths at the vertical load at rest."""
-        return between.nearest(self.load_sets, self.rest_load).paths if self.load_sets else ()
+        return path_sets.nearest(self.load_sets, self.rest_load).paths if self.load_sets else ()
 
     @cached_property
     def rate_sets(self) -> tuple[RateSet, ...]:
         """Lateral calibration paths by rate, slowest first; none where the springs do not depend on a rate."""
-        return between.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
+        return path_sets.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
 
     @cached_property
     def rays(self) -> Mapping[str, float]:
@@ -307,7 +307,7 @@ class Springs:
         return self.at_rate(own[0].rate if own else min(max(rate, sets[0].rate), sets[-1].rate))
 
     def _made_at_rate(self, rate: float) -> Springs:
-        lateral, mix = between.at_rate(self.paths, self.rate_sets, rate)
+        lateral, mix = path_sets.at_rate(self.paths, self.rate_sets, rate)
         vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
@@ -316,8 +316,8 @@ class Springs:
         return replace(springs, every_rate=self.every_rate or self, parts=parts)
 
     def _made_at_load(self, V: float) -> Springs:
-        main = between.nearest(self.load_sets, self.rest_load)
-        lateral, mix = between.at_load(self.paths, self.load_sets, main, V)
+        main = path_sets.nearest(self.load_sets, self.rest_load)
+        lateral, mix = path_sets.at_load(self.paths, self.load_sets, main, V)
         dropped = {path.name for path in self.lateral} - set(lateral)
         paths = [lateral.get(name, path) for name, path in self.paths.items() if name not in dropped]
         attrs = {} if mix is None else {"blended_loads_N": [mix.first, mix.second], "vertical_load_N": V}

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from pysprings.macro.sets import AnySprings
+    from pysprings.macro.model import AnySprings
     from pysprings.results.tables.load_cases import LoadCases
 
 Array = NDArray[np.float64]

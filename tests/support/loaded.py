@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
-from pysprings.macro.memory.build import memory_dataset
 from pysprings.macro.model import MacroModel
+from pysprings.memory.build import memory_dataset
 from pysprings.springs.springs import Springs
 from tests.support import winkler
 from tests.support.vertical import REST, pressed, vertical_path

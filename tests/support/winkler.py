@@ -14,10 +14,11 @@ import xarray as xr
 
 from pysprings.core.path_kinds import PARTS
 from pysprings.macro.fan import FanTable, build_fan
-from pysprings.macro.memory.build import memory_dataset
-from pysprings.macro.memory.calibration import ElementSet
-from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE
-from pysprings.macro.memory.shares import Shares
+from pysprings.memory.build import memory_dataset
+from pysprings.memory.calibration import ElementSet
+from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.shares import Shares
 from pysprings.springs.springs import Springs
 from tests.support.fans import LENGTH, RHO, RINGS, fan_springs, set_path
 from tests.support.synthetic import Caisson, Path, make_springs
@@ -95,6 +96,11 @@ def elements_of(rows: np.ndarray, table: FanTable) -> ElementSet:
         np.zeros(((~odd).sum(), 2 * len(rows))), np.inf,
     )  # fmt: skip
     return ElementSet(rows, REACH, none, 0.0, {"0 degrees": (0.0, 0.0)}, 5 * REACH)
+
+
+def remembering(elements: ElementSet, table: FanTable, rate: float | None = None) -> MemorySprings:
+    """Return the response of elements on a fan of the caisson."""
+    return MemorySprings(table, Springs.of(springs()).path(), elements=elements, rate=rate)
 
 
 def with_invented_memory(rows: np.ndarray | None = None, settling: bool = False) -> xr.DataTree:

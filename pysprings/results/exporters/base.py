@@ -46,7 +46,7 @@ class Source:
     @cached_property
     def tables(self) -> xr.DataTree:
         """The springs on the slices of all tables: the last fifth of the skirt is one (`pysprings.reslice`)."""
-        from pysprings.springs.edge import reslice
+        from pysprings.springs.tip_zone import reslice
 
         return reslice(self.springs)
 

@@ -125,10 +125,10 @@ def _variable(data: xr.DataArray) -> dict[str, Any]:
 
 
 def _write_netcdf(source: Source, target: Target, _options: Options) -> Exported:
-    from pysprings.macro.memory.build import with_memory
+    from pysprings.macro.spring_sets import with_stored
     from pysprings.springs.checks import save_springs
 
-    return Exported([save_springs(with_memory(source.springs), target.path)])
+    return Exported([save_springs(with_stored(source.springs), target.path)])
 
 
 NETCDF = Exporter(

@@ -45,8 +45,8 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     if not has_fan(springs):
         return [], [_NO_FAN]
     model = MacroModel.from_springs(springs, str(options["springs"]), V=load)
-    lost = [*_LOST[str(options["springs"])], *_between_planes(model), *_ALWAYS]
-    use = BACKBONE if model.memory is None else _CYCLES
+    lost = [*_LOST[str(options["springs"])], *model.response.plane_notes(), *_ALWAYS]
+    use = _CYCLES if len(model.response.element_rows.rows) else BACKBONE
     head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
     text = spring_text(head, model, float(options["torsion"] or 0.0), total, stop)
@@ -58,23 +58,11 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     return files, [*lost, _BUILD.format(library=library)]
 
 
-def _between_planes(model: MacroModel) -> list[str]:
-    """Return a sentence on motions at 45 degrees between the planes of the plates, of springs with memory."""
-    from pysprings.results.exporters.soildyn.inputs import error_between_planes
-
-    if model.memory is None:
-        return []
-    H, M = error_between_planes(model.memory)
-    return [
-        f"gap and frictional elements stand in the planes of x and y: at 45 degrees between them loads differ by up to "
-        f"{100 * H:.2g} % in H and {100 * M:.2g} % in M, of the largest on a way to half of the reach, back and forth"
-    ]
-
-
 def _conditions(model: MacroModel) -> str:
     """Return a sentence on the vertical load of the lateral springs and on the rays."""
+    rays = len(model.response.sources)
     return (
-        f"lateral springs at V = {1e-3 * model.origin.load:.6g} kN, fan of {len(model.sources)} rays; displacement 0: "
+        f"lateral springs at V = {1e-3 * model.origin.load:.6g} kN, fan of {rays} rays; displacement 0: "
         f"at rest under {1e-3 * model.rest_load:.6g} kN"
     )
 

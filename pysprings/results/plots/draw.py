@@ -32,10 +32,10 @@ class _Predictions(Mapping[str, xr.Dataset]):
 
     @cached_property
     def answers(self) -> Mapping[str, xr.Dataset]:
-        from pysprings.macro.memory.build import with_memory
+        from pysprings.macro.spring_sets import with_stored
         from pysprings.springs.extract import extract_springs
 
-        springs = with_memory(extract_springs(self.tree)) if is_result(self.tree) else self.tree
+        springs = with_stored(extract_springs(self.tree)) if is_result(self.tree) else self.tree
         return Source(springs).predictions.get(self.path, {})
 
     def __getitem__(self, name: str) -> xr.Dataset:

@@ -10,8 +10,8 @@ import numpy as np
 
 from pysprings.core.path_kinds import MEMORY, turns_back
 from pysprings.macro.cycles import Followed, cycles
-from pysprings.macro.history import Control
 from pysprings.macro.spring_sets import SPRING_SETS
+from pysprings.macro.ways import Control
 from pysprings.results.plots.comparison import LOOKS
 from pysprings.results.plots.data import unit_text
 from pysprings.results.plots.picture import Picture

@@ -15,7 +15,7 @@ from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.data import lateral_reaction
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import GREY, KN, LEVEL_COLOURS, new_figure, set_title, styled
-from pysprings.springs.edge import edge_rings
+from pysprings.springs.tip_zone import edge_rings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +44,7 @@ def level_steps(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> dict[floa
 def profiles(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> Figure:
     """Draw p, m and t by depth at shares of the largest load, and p over its largest value at each depth.
 
-    Hollow marks are the edge rings of the tip (`pysprings.springs.edge`): the scale of p leaves them out.
+    Hollow marks are the edge rings of the tip (`pysprings.springs.tip_zone`): the scale of p leaves them out.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from pysprings.results.plots.style import (
     styled,
     zero_lines,
 )
-from pysprings.springs.edge import edge_rings
+from pysprings.springs.tip_zone import edge_rings
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -25,9 +25,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.results.analysis.parts import converged
-from pysprings.springs.edge import edge_rings
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import by_depth
+from pysprings.springs.tip_zone import edge_rings
 
 MOST_STEPS = 25  # of a path that the sliders show
 MOST_PATHS = 24

@@ -11,9 +11,9 @@ from pysprings.core.columns import Table
 from pysprings.core.path_kinds import beam_order
 from pysprings.core.text import number
 from pysprings.results.report.table import ReportTable
-from pysprings.springs.edge import on_slices
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.sums import by_depth, net_m
+from pysprings.springs.tip_zone import on_slices
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -15,7 +15,7 @@ from pysprings.core.tables.headings import TEXT
 from pysprings.core.units import quoted
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.exporters.wide_table import ENDS, PAIRS, parse
-from pysprings.springs.numbers import name_fault
+from pysprings.springs.checks import name_fault
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
 FAMILIES = ("py", "mtheta", "base", "lid", "tz")

@@ -22,7 +22,7 @@ from pysprings.core.tables.cells import text_of
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.text import number
 from pysprings.core.units import quoted
-from pysprings.springs.numbers import MOST_LETTERS
+from pysprings.springs.checks import MOST_LETTERS
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.tables import Column, Table, one_table
-from pysprings.macro.history import Control
+from pysprings.macro.ways import Control
 
 Array = NDArray[np.float64]
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.progress import Progress
 from pysprings.core.version import __version__
+from pysprings.macro.fan_springs import BAND
 from pysprings.studies.atlas import check
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.atlas.model import Atlas, sums
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 COMPONENTS = 12
 _TOTALS = 3.0  # weight of H and M beside a row of their parts
-_BAND = 1.96  # standard deviations: 95 %
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class LeftOut:
     def inside(self) -> float:
         """Share of the errors within the band of 95 %."""
         known = np.isfinite(self.error)
-        return float((np.abs(self.error[known]) <= _BAND * self.deviation[known]).mean())
+        return float((np.abs(self.error[known]) <= BAND * self.deviation[known]).mean())
 
 
 def build(
@@ -80,7 +80,7 @@ def build(
     )  # fmt: skip
     out = left_out(atlas, samples)
     known_ = np.isfinite(out.error)
-    factor = max(1.0, float(np.quantile(np.abs(out.error[known_]) / out.deviation[known_], 0.95)) / _BAND)
+    factor = max(1.0, float(np.quantile(np.abs(out.error[known_]) / out.deviation[known_], 0.95)) / BAND)
     return replace(atlas, factor=factor), replace(out, deviation=factor * out.deviation)
 
 

@@ -13,6 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.errors import PyspringsError, UserInputError, refused
+from pysprings.macro.fan_springs import BAND
 from pysprings.scene.load import SceneText
 from pysprings.studies.atlas.samples import scenes
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Source = TypeVar("Source", bound="Atlas")
 AT = (0.001, 0.01)  # u/D
-BAND = 1.96
 STIFFNESSES = {"K_V": (1, 1, "K_V_relative_deviation"), "K_H": (0, 0, "K_H_relative_deviation"),
                "K_M": (2, 2, "K_M_relative_deviation")}  # fmt: skip
 

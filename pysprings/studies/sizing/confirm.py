@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import RunIncomplete, refused
-from pysprings.macro.spread import BAND
+from pysprings.macro.fan_springs import BAND
 from pysprings.studies.sizing.search import Candidate, Search, Wanted, answered
 
 if TYPE_CHECKING:

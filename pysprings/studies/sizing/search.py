@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.spread import BAND
+from pysprings.macro.fan_springs import BAND
 from pysprings.scene.changes import Change, vertical_load
 
 if TYPE_CHECKING:

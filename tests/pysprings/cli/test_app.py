@@ -18,7 +18,7 @@ from pysprings.scene.load import SECTIONS
 from pysprings.scene.template import template_names
 from pysprings.scene.toml import field_of
 from pysprings.studies.atlas.families import FAMILIES
-from pysprings.studies.atlas.file import shipped
+from pysprings.studies.atlas.model import shipped
 from tests.support.commands import command, environment, run_python
 
 

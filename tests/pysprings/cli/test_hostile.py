@@ -23,8 +23,7 @@ from pysprings.core.tables import files as reader
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
-from pysprings.springs.checks import open_springs
-from pysprings.springs.numbers import name_fault
+from pysprings.springs.checks import name_fault, open_springs
 from tests.fuzz.tables import MINIMAL
 from tests.support import synthetic, tiny, written
 from tests.support.commands import command

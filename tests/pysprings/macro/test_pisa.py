@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import spring_sets
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.solver import ROWS, SpringArrays, reactions
 from pysprings.springs.path import paths_of
 from tests.support import synthetic
@@ -28,16 +27,11 @@ def test_each_family_comes_from_its_path() -> None:
     assert force[0] == pytest.approx(float(slide["H"][-1]), rel=1e-9)
     # what a rotation adds to the moment beside the lateral families is that of its own path
     dz = np.diff(turn["depth_bounds"].values, axis=1)[:, 0]
-    own = float(
-        dz @ turn["m"].sum("side").transpose("depth", "step").values[:, -1] + turn["M_tip"][-1] + turn["M_lid"][-1]
-    )
-    start = float(
-        dz @ turn["m"].sum("side").transpose("depth", "step").values[:, 0] + turn["M_tip"][0] + turn["M_lid"][0]
-    )
+    turned = dz @ turn["m"].sum("side").transpose("depth", "step").values + turn["M_tip"].values + turn["M_lid"].values
     rotation = float(turn["rotation"][-1])
     lateral = [row for row, name in enumerate(model.table.name) if name in ("p", "H_tip", "H_lid")]
     moment = sum(model.table.b[row, 1] * curve(model, row, rotation) for row in lateral)
-    assert model.reactions(0.0, rotation)[0][1] == pytest.approx(moment + own - start, rel=1e-9)
+    assert model.reactions(0.0, rotation)[0][1] == pytest.approx(moment + turned[-1] - turned[0], rel=1e-9)
 
 
 def curve(model: MacroModel, row: int, rotation: float) -> float:
@@ -51,14 +45,12 @@ def curve(model: MacroModel, row: int, rotation: float) -> float:
     return float(force[0])
 
 
-def test_it_needs_a_pure_translation_and_a_pure_rotation() -> None:
-    springs = synthetic.make_springs([SLIDE])
-    assert "pisa" not in spring_sets(springs)
-    with pytest.raises(UserInputError, match="pure translation and a pure rotation"):
-        MacroModel.from_springs(springs, "pisa")
-
-
-def test_it_comes_from_several_paths() -> None:
-    springs = synthetic.make_springs([SLIDE, TURN])
-    with pytest.raises(UserInputError, match="several calibration paths"):
-        MacroModel.from_springs(springs, "pisa", "slide")
+@pytest.mark.parametrize(
+    ("paths", "path", "words"),
+    [([SLIDE], None, "pure translation and a pure rotation"), ([SLIDE, TURN], "slide", "several calibration paths")],
+)
+def test_it_comes_from_a_pure_translation_and_a_pure_rotation_together(paths, path, words) -> None:
+    springs = synthetic.make_springs(paths)
+    assert ("pisa" in spring_sets(springs)) is (len(paths) == 2)
+    with pytest.raises(UserInputError, match=words):
+        MacroModel.from_springs(springs, "pisa", path)

@@ -14,6 +14,7 @@ from scipy.optimize import root
 
 from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, RunIncomplete, UserInputError
+from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.predict import (
     MacroModel,
@@ -25,7 +26,6 @@ from pysprings.macro.predict import (
     sequence,
 )
 from pysprings.macro.stiffness import stiffness
-from pysprings.macro.trace import trace
 from tests.support.closed_forms import (
     DEPTH,
     LENGTH,

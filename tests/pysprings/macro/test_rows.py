@@ -69,7 +69,7 @@ def test_a_v_without_springs_is_marked_in_every_order(order: tuple[int, ...]) ->
     np.testing.assert_array_equal(batch["off_load"], (V != REST).astype(int))
 
 
-@pytest.mark.filterwarnings("ignore::pysprings.macro.refusal.MacroWarning")
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
 def test_every_v_has_its_own_springs() -> None:
     """V that differ by less than 1 % are answered as `predict` answers each of them."""
     given = springs("loads")[0]

@@ -9,21 +9,19 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
-from pysprings.macro.model import MacroModel
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.predict import predict
-from pysprings.macro.sets import spring_sets
-from pysprings.macro.spring_sets import SPRING_SETS, Built, SpringSet
-from pysprings.springs.springs import Springs
+from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
 from tests.support import synthetic
 
 ARM = 0.0  # of the path of the springs
 
 
-def halved(springs: Springs, path: str | None) -> Built:
+def halved(springs, path):
     """All reactions of one path at half their size."""
-    built = SPRING_SETS["full"].build(springs, path)
-    table = replace(built.table, r=0.5 * built.table.r, slope=0.5 * built.table.slope)
-    return replace(built, table=table, remarks=("half of the soil",))
+    whole = SPRING_SETS["full"].build(springs, path)
+    table = replace(whole.table, r=0.5 * whole.table.r, slope=0.5 * whole.table.slope)
+    return replace(whole, table=table, remarks=("half of the soil",))
 
 
 HALF = SpringSet("half", "half of the springs", "reactions at half their size", halved)

@@ -30,7 +30,7 @@ from pysprings.macro.predict import (
 )
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.macro.vertical import build_vertical
-from pysprings.macro.vertical_capacity import largest_vertical
+from pysprings.macro.vertical_answer import largest_vertical
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import paths_of
@@ -440,7 +440,7 @@ def test_the_curve_goes_on_from_its_last_point_along_its_last_step(name):
     assert just == pytest.approx(last, rel=1e-8)
 
 
-@pytest.mark.filterwarnings("ignore::pysprings.macro.refusal.MacroWarning")
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
 def test_the_share_of_the_vertical_load_that_is_used():
     """Downwards over the largest V of its path; in tension over the largest pull; NaN where there is no such path."""
     tree, end = vertical_springs(), REST + float(down_curve(np.array(1e-2)))

@@ -16,7 +16,7 @@ from pysprings.macro.comparison import compare
 from pysprings.results import exporters
 from pysprings.results.exporters.xlsx.book import plain_names
 from pysprings.results.report.springs import spring_tables
-from pysprings.springs.edge import reslice
+from pysprings.springs.tip_zone import reslice
 from tests.support import written
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs

@@ -11,11 +11,11 @@ import pytest
 from scipy.optimize import brentq
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory.elements import PLATES
+from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, impose
 from pysprings.macro.stiffness import stiffness_six
-from pysprings.macro.trace import trace
+from pysprings.memory.elements import PLATES
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.linear import linear_errors, secants
 from pysprings.results.exporters.soildyn.inputs import library_input

@@ -31,7 +31,7 @@ from pysprings.results.report.springs import spring_tables
 from pysprings.results.report.table import ReportData, ReportTable
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_names, template_text
-from pysprings.springs.edge import on_slices
+from pysprings.springs.tip_zone import on_slices
 from tests.support import fans, synthetic, tiny
 from tests.support.commands import run_python
 from tests.support.files import Page

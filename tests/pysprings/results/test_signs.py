@@ -19,10 +19,11 @@ import xarray as xr
 import pysprings
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.capacity import capacities
-from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import impose, predict, sequence
 from pysprings.macro.stiffness import stiffness, stiffness_six
+from pysprings.memory.build import build_memory
+from pysprings.memory.stepper import MemoryStepper
 from pysprings.results.exporters import export
 from pysprings.results.exporters.tables import load_displacement, py_long
 from pysprings.results.exporters.wide_table import py_wide
@@ -32,7 +33,8 @@ from pysprings.results.summary import summary
 from pysprings.results.tables import open_table
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.checks import open_springs, save_springs
-from pysprings.studies.atlas.file import open_atlas, shipped
+from pysprings.springs.springs import Springs
+from pysprings.studies.atlas.model import open_atlas, shipped
 from pysprings.studies.design import answer_cases
 from pysprings.studies.sizing.search import Search, Wanted
 from tests.support import synthetic, tiny, winkler
@@ -224,8 +226,7 @@ def test_the_summary_has_the_sign_of_m(sign: float) -> None:
 
 
 def test_a_stepper_leans_in_the_direction_of_its_load() -> None:
-    model = MacroModel.from_springs(winkler.with_invented_memory(), "memory").memory
-    assert model is not None
+    model = build_memory(Springs.of(winkler.with_invented_memory()))
     stepper = MemoryStepper(model)
     u, rotation = stepper.advance(load=(H, ARM * H))
     assert u > 0.0 and rotation > 0.0

@@ -12,10 +12,9 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.macro.limit import range_used
+from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, impose
-from pysprings.macro.trace import trace
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.soildyn.library import build, build_command, compiler, library_name
 from pysprings.results.exporters.soildyn.spring_file import spring_text
@@ -233,7 +232,7 @@ def test_the_thresholds_are_those_of_predict(
     seen = []
     for angle in angles:
         once = np.array([np.cos(angle), np.sin(angle) / model.length])
-        reach = 1.0 / float(range_used(model.table, once[None])[0])
+        reach = 1.0 / float(model.response.range_used(once[None])[0])
         for share in (1.0 - 2e-6, 1.0 + 0.5e-6, 1.0 + 2e-6, 1.2):
             u, rotation = share * reach * once
             answer = trace(model, "state", np.array([[u, rotation]]), 0.0, None).isel(step=-1)  # marks of `predict`

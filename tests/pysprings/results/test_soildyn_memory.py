@@ -12,14 +12,16 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLATES, REVERSIBLE
-from pysprings.macro.memory.shares import at_rest
+from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
-from pysprings.macro.trace import trace
+from pysprings.memory.build import build_memory
+from pysprings.memory.elements import FRICTIONAL, GAP, PLATES, REVERSIBLE
+from pysprings.memory.model import error_between_planes
+from pysprings.memory.shares import at_rest
 from pysprings.results.exporters import export
-from pysprings.results.exporters.soildyn.inputs import error_between_planes
 from pysprings.results.exporters.soildyn.library import build
 from pysprings.results.exporters.soildyn.spring_file import spring_text
+from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
 from tests.support.foundation import FORCE, Point
 from tests.support.vertical import REST
@@ -217,9 +219,8 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
 def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, first: tuple[float, ...]) -> None:
     """Walls along u that have yielded in both planes, beside a spring that is much softer."""
     rows = [winkler.element(d=1e3, B=(1e3, 0.0, 1e3)), winkler.element(kind, first, (1.0, 0.0, 1e8), 1e-3)]
-    model = MacroModel.from_springs(winkler.with_invented_memory(np.array(rows)), "memory").memory
-    assert model is not None
-    H, M = error_between_planes(model)
+    model = build_memory(Springs.of(winkler.with_invented_memory(np.array(rows))))
+    H, M = error_between_planes(model.elements)
     assert pytest.approx(np.sqrt(2.0) - 1.0, rel=0.01) == H
     assert pytest.approx((kind == FRICTIONAL) * 0.5 * H, rel=0.02) == M
 

@@ -13,10 +13,10 @@ import pytest
 from pysprings import open_table
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
+from pysprings.macro.answer import trace
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict, way_to_load, way_to_motion
-from pysprings.macro.trace import trace
 from pysprings.results.tables.sequence import read_sequence
-from pysprings.springs.edge import reslice
+from pysprings.springs.tip_zone import reslice
 from tests.support import synthetic, written
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential

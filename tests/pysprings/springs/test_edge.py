@@ -9,9 +9,9 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import validate_springs
-from pysprings.springs.edge import edge_rings, reslice
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import by_depth, resultants
+from pysprings.springs.tip_zone import edge_rings, reslice
 from tests.support import synthetic
 
 PATHS = (synthetic.Path("pull", size=8e-3, steps=8), synthetic.Path("turn", "rotation", size=2e-3, steps=5))

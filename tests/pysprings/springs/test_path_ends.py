@@ -14,6 +14,7 @@ from pysprings import extract_springs
 from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.full_model import compute
+from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.predict import (
     MacroModel,
@@ -25,7 +26,6 @@ from pysprings.macro.predict import (
     way_to_load,
 )
 from pysprings.macro.stiffness import stiffness
-from pysprings.macro.trace import trace
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import end_of

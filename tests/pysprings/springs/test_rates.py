@@ -9,11 +9,10 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
-from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import spring_sets
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.slices import merge_slices
-from pysprings.springs.between import blend
 from pysprings.springs.path import SpringPath, paths_of
+from pysprings.springs.path_sets import blend
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import synthetic, wet

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Elements with a memory, as `pysprings.macro.memory.elements`, for motions in two planes at right angles.
+ * Elements with a memory, as `pysprings.memory.elements`, for motions in two planes at right angles.
  *
  * A motion q = (u_x, rotation_x L, u_y, rotation_y L) [m] gives the loads F = (H_x, M_x/L, H_y, M_y/L) [N].
  *

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.calibration import ElementSet, numbers_of
-from pysprings.macro.memory.model import MemoryModel
 from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import Branch
 
@@ -90,16 +88,15 @@ def _check_size(model: MacroModel, table: FanTable) -> None:
     branches = () if model.vertical is None else model.vertical.branches
     size = _SCALARS + sum(_RAY_HEAD + _COLUMNS * int(n) for n in table.count)
     size += sum(_BRANCH_HEAD + _BRANCH * branch.x.size for branch in branches)
-    size += 0 if model.memory is None else _element_rows(model.memory.elements, _down(model.memory)).size
+    elements = model.response.element_rows
+    size += elements.rows.size
     if size > PROPS:
         raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
-    if model.memory is not None:
-        if model.memory.sets > 1:
-            raise refused("springs", _BETWEEN)
-        rows = model.memory.elements.rows
-        kept = _STATE_HEAD + numbers_of(rows)
-        if kept > STATES:
-            raise refused("springs", f"{kept} numbers of {len(rows)} elements: SoilDyn keeps {STATES} of a state")
+    if elements.sets > 1:
+        raise refused("springs", _BETWEEN)
+    kept = _STATE_HEAD + elements.numbers
+    if kept > STATES:
+        raise refused("springs", f"{kept} numbers of {len(elements.rows)} elements: SoilDyn keeps {STATES} of a state")
 
 
 def _ray_lines(model: MacroModel, table: FanTable) -> Iterator[str]:
@@ -128,32 +125,17 @@ def _branch_lines(model: MacroModel, word: str, sign: float) -> Iterator[str]:
 
 def _element_lines(model: MacroModel) -> Iterator[str]:
     """Yield the elements with a memory: their number; step, limit of ways, way, w and V at rest; a row for each."""
-    if model.memory is None:
-        yield "elements 0"
-        return
-    elements = model.memory.elements
-    shares = elements.shares
-    down = _down(model.memory)
+    elements = model.response.element_rows
     yield f"elements {len(elements.rows)}"
+    if not len(elements.rows):
+        return
     yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
-    yield _row("memory", [elements.largest, 1.0 / float(np.asarray(shares.growth)), elements.way, *model.memory.rest])
+    yield _row("memory", elements.head)
     yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
     yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
     yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
-    yield from (_row("", row) for row in _element_rows(elements, down))
-
-
-def _down(memory: MemoryModel) -> list[int]:
-    """Return where w and V stand among the even rows."""
-    names = [str(name) for name in memory.table.name[~memory.elements.shares.odd]]
-    return [names.index(name) for name in ("w", "V")]
-
-
-def _element_rows(elements: ElementSet, down: list[int]) -> Array:
-    """Return a row an element (n, ELEMENT of `springs.h`): its parameters, and the factors of w and V."""
-    factors = elements.shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
-    return np.concatenate([elements.rows, factors], axis=1)
+    yield from (_row("", row) for row in elements.rows)
 
 
 def _row(word: str, values: Iterable[float]) -> str:

@@ -21,10 +21,10 @@ from pysprings.results.exporters.uniaxial.curve import Spring, Table, table, wit
 from pysprings.results.exporters.uniaxial.options import RINGS, VIRTUAL, ZONE
 from pysprings.results.exporters.uniaxial.planes import spread, together
 from pysprings.results.exporters.uniaxial.virtual import virtual_table
-from pysprings.springs.edge import reslice
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
+from pysprings.springs.tip_zone import reslice
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ class Uniaxial:
     @property
     def between(self) -> MacroModel:
         """Macro-model of a motion in the middle between two planes."""
-        return replace(self.model, table=together(self.rows, self.planes, between=True))
+        return self.model.on_rows(together(self.rows, self.planes, between=True))
 
 
 def uniaxial(
@@ -95,7 +95,7 @@ def uniaxial(
         made = spread(_loaded(made), planes)
     if not made.name:
         raise refused("springs", f"the set '{chosen}' has no springs")
-    own = replace(model, table=together(made, planes), spring_set=chosen)
+    own = replace(model.on_rows(together(made, planes)), spring_set=chosen)
     return Uniaxial(own, made, planes, (*_lateral(made, model), *_vertical(own)), tuple(lost))
 
 
@@ -214,7 +214,7 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
     carriers = ["y" if each else "rotation" for each in sideways]
     whole = np.ones(count.size, dtype=bool)
     rows = SpringTable(names, depth, carriers, a, a, q, r, slope, count, whole, ~whole)
-    return replace(made.model, table=together(rows, made.planes))
+    return made.model.on_rows(together(rows, made.planes))
 
 
 def _lines(given: Table) -> tuple[Array, Array, Array]:

@@ -19,8 +19,7 @@ import xlsxwriter
 from numpy.typing import NDArray
 
 from pysprings.core.files.storage import replacing
-from pysprings.macro.model import MacroModel
-from pysprings.macro.sets import spring_sets
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
 from pysprings.results.exporters.base import Source

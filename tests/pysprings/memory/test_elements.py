@@ -16,18 +16,17 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
 from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import FanTable, build_fan
-from pysprings.macro.memory import build
-from pysprings.macro.memory.build import build_memory, with_memory
-from pysprings.macro.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
-from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE, STATES, advance
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.samples import samples
-from pysprings.macro.memory.shares import at_rest
-from pysprings.macro.memory.stepper import MemoryStepper
-from pysprings.macro.model import MacroModel
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.predict import MacroWarning, predict, sequence
-from pysprings.macro.sets import spring_sets
 from pysprings.macro.stiffness import stiffness
+from pysprings.memory import build
+from pysprings.memory.build import build_memory, with_memory
+from pysprings.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
+from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE, STATES, advance
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.samples import samples
+from pysprings.memory.shares import at_rest
+from pysprings.memory.stepper import MemoryStepper
 from pysprings.results.exporters import export
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.path import SpringPath
@@ -52,10 +51,10 @@ def walk(rows, motions):
 
 
 @cache
-def model(seed=1) -> MemoryModel:
+def model(seed=1) -> MemorySprings:
     """A model of mixed elements on the layout of a linear fan."""
     table = build_fan(Springs.of(fan_springs(linear)))
-    return MemoryModel(elements_of(mixed(seed=seed), table), table)
+    return winkler.remembering(elements_of(mixed(seed=seed), table), table)
 
 
 def test_a_perfectly_plastic_element_has_loops_of_a_parallelogram() -> None:
@@ -265,7 +264,7 @@ def test_a_load_at_a_height_is_followed_by_u() -> None:
 def test_more_than_the_elements_carry_is_named() -> None:
     table = model().table
     rows = np.array([element(d=1e-3)])
-    few = MemoryModel(ElementSet(rows, REACH, model().elements.shares, 0.0, {}, REACH), table)
+    few = winkler.remembering(ElementSet(rows, REACH, model().elements.shares, 0.0, {}, REACH), table)
     states, _, message = few.solve("load", np.array([[5e4, 0.0], [5e5, 0.0]]))
     assert len(states) == 1 and "no equilibrium beyond H = " in message
     stepper = MemoryStepper(few)
@@ -331,7 +330,7 @@ def test_a_step_has_the_reactions_of_its_state() -> None:
 def test_steps_of_a_sequence_at_another_rate_are_marked() -> None:
     """A rest has no rate; times alone change no number."""
     springs = replace(model(), rate=1e-3)
-    whole = replace(MacroModel.from_springs(Springs.of(winkler.with_invented_memory()), "memory"), memory=springs)
+    whole = replace(MacroModel.from_springs(Springs.of(winkler.with_invented_memory()), "memory"), response=springs)
     motions, time = np.array([[1e-3, 0.0], [2e-3, 0.0], [2e-3, 0.0]]), np.array([1.0, 101.0, 102.0])
     plain = sequence(whole, motions, control="state", extrapolate=True)
     with pytest.warns(MacroWarning, match=r"1 of 3 steps are at another rate than that of the elements"):
@@ -389,8 +388,8 @@ def test_a_file_without_elements_of_its_paths_is_calibrated_at_each_question_unt
     export(open_springs(tmp_path / "whole.nc"), "nc", tmp_path / "again.nc")
     whole = MacroModel.from_springs(open_springs(tmp_path / "again.nc"), "memory")
     assert len(made) == 3 and not any("calibrated" in each for each in whole.remarks)
-    assert whole.memory is not None
-    np.testing.assert_array_equal(whole.memory.elements.rows, mixed(seed=3))
+    assert isinstance(whole.response, MemorySprings)
+    np.testing.assert_array_equal(whole.response.elements.rows, mixed(seed=3))
 
 
 def test_springs_at_several_rates_have_a_memory_at_that_of_their_rays_that_turn_back() -> None:
@@ -440,7 +439,6 @@ def test_reactions_sum_to_the_loads_of_every_state() -> None:
 def test_stored_elements_answer_as_those_that_were_calibrated(tmp_path) -> None:
     path = save_springs(outside().tree, tmp_path / "springs.nc")
     read = Springs.of(open_springs(path))
-    assert read.memory is not None
     np.testing.assert_array_equal(build_memory(read).elements.rows, build_memory(outside()).elements.rows)
     targets = np.array([[2e5, -4e5], [-1e5, 2e5], [0.0, 0.0]])
     answers = [sequence(each, targets, springs_kind="memory", extrapolate=True) for each in (read, outside())]

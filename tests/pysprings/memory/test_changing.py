@@ -15,15 +15,15 @@ from pysprings.core.path_kinds import PARTS
 from pysprings.macro.cycles import follow_path
 from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory import build
-from pysprings.macro.memory.build import CHANGE, build_memory, has_elements, with_memory
-from pysprings.macro.memory.calibration import ElementSet
-from pysprings.macro.memory.changing import ChangingLoad, fitted
-from pysprings.macro.memory.elements import FRICTIONAL, GAP, REVERSIBLE, STATES, advance, relax
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.stepper import MemoryStepper
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence
+from pysprings.memory import build
+from pysprings.memory.build import CHANGE, build_memory, has_elements, with_memory
+from pysprings.memory.calibration import ElementSet
+from pysprings.memory.elements import FRICTIONAL, GAP, REVERSIBLE, STATES, advance, relax
+from pysprings.memory.mixture import ChangingLoad, fitted
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.stepper import MemoryStepper
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
@@ -40,7 +40,7 @@ V_OF_WAY = np.array([1.0, 1.0, 1.8, 1.8, 1.2, 2.0]) * REST
 
 
 @cache
-def model() -> MemoryModel:
+def model() -> MemorySprings:
     """Invented elements at two vertical loads, whose forces a V that changes takes away."""
     at = [build_memory(loaded.springs().at(V=V)) for V in LOADS]
     return replace(at[0], changing=ChangingLoad(LOADS, tuple(each.elements for each in at), VIRGIN, RELOADING))
@@ -191,7 +191,7 @@ def test_a_fit_finds_what_paths_were_made_with() -> None:
 
 
 def whole() -> MacroModel:
-    return replace(MacroModel.from_springs(loaded.springs(), "memory", V=REST), memory=model())
+    return replace(MacroModel.from_springs(loaded.springs(), "memory", V=REST), response=model())
 
 
 def test_states_within_the_loads_are_not_marked_and_w_follows_v() -> None:

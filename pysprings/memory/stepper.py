@@ -3,23 +3,58 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.macro.fan import RANGE_SLACK
-from pysprings.macro.history import Control
-from pysprings.macro.memory.changing import ChangingLoad, Step
-from pysprings.macro.memory.elements import STATES, advance, relax
-from pysprings.macro.memory.marks import StepMarks, lateral_marks, off_load, off_rate
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.shares import elastic_of
-from pysprings.macro.memory.water import Water
+from pysprings.macro.fan import WIDEST, FanTable
+from pysprings.macro.ways import RANGE_SLACK, Control
+from pysprings.memory.elements import STATES, advance, relax
+from pysprings.memory.mixture import ChangingLoad, Step
+from pysprings.memory.model import MemorySprings, off_rate
+from pysprings.memory.shares import elastic_of
+from pysprings.memory.water import Water
+from pysprings.springs.path import same_load
 
 Array = NDArray[np.float64]
 
 _NO_ANSWER = "the elements carry no more than H = {:.6g} N, M = {:.6g} N m on the way to this step"
+
+
+@dataclass(frozen=True, slots=True)
+class StepMarks:
+    """What of a state the springs do not cover; the words are those of a prediction.
+
+    Attributes
+    ----------
+    range_used : size of the motion over that of the rays beside it.
+    extrapolated : True beyond the rays.
+    off_path : True between rays too far apart.
+    off_load : True where V is not that of the elements. off_rate : True where the motion is faster or slower than
+        their rate by half a decade. None where V, or the time of the step, is not given, or the springs have no rate.
+    way_used : motions added up over the longest way of the calibration; heave is extrapolated beyond 1.
+    """
+
+    range_used: float
+    extrapolated: bool
+    off_path: bool
+    off_load: bool | None
+    off_rate: bool | None
+    way_used: float
+
+    @property
+    def heave_extrapolated(self) -> bool:
+        """True where the motions add up to more than the ways of the calibration."""
+        return self.way_used > 1.0 + RANGE_SLACK
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The marks that are set."""
+        found = tuple(name for name, value in asdict(self).items() if value is True)
+        return (*found, "heave_extrapolated") if self.heave_extrapolated else found
 
 
 class MemoryStepper:
@@ -36,10 +71,10 @@ class MemoryStepper:
     way : committed motions added up [m].
     V, top : committed vertical load [N] of the elements, and the largest one so far.
     offset : (rows,) what vertical reactions and w have kept from other vertical loads.
-    water : committed numbers of the water's part of p, see `pysprings.macro.memory.water`; None where there is none.
+    water : committed numbers of the water's part of p, see `pysprings.memory.water`; None where there is none.
     """
 
-    def __init__(self, model: MemoryModel) -> None:
+    def __init__(self, model: MemorySprings) -> None:
         self.model = model
         self.V = self.top = model.V if np.isfinite(model.V) else 0.0
         self._loads = model.changing or ChangingLoad(np.array([self.V]), (model.elements,), np.inf, np.inf)
@@ -199,3 +234,15 @@ class MemoryStepper:
         self._known = self.V, self._steps[-1].rows
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()
         self._conditions, self._steps = (self._conditions[0], None), self._to(None)  # what has drained, or relaxed, has
+
+
+def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, bool]:
+    """Return range used by a state (u [m], rotation [rad]), and whether it is between rays too far apart."""
+    states = np.array([state], dtype=float)
+    used, sector, _ = table.support(states, table.rows(states)[1])
+    return float(used[0]), bool(sector[0] > WIDEST + RANGE_SLACK and states.any())
+
+
+def off_load(own: float, V: float | None) -> bool | None:
+    """Return whether V [N] is another than that of the elements; None where one of them is not known."""
+    return None if V is None or not np.isfinite(own) else not same_load(own, V)

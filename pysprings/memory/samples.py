@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.fan import RANGE_SLACK, FanTable, reaction_rows
-from pysprings.macro.history import equations
+from pysprings.macro.fan import FanTable, reaction_rows
 from pysprings.macro.solver import FAN, SpringArrays, solve_cases
+from pysprings.macro.ways import RANGE_SLACK, equations
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 

@@ -11,14 +11,13 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.memory import build
-from pysprings.macro.memory.build import build_memory, digest, with_memory
-from pysprings.macro.memory.elements import FRICTIONAL
-from pysprings.macro.memory.mixture import mixed
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.model import MacroModel
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.predict import MacroWarning, sequence
-from pysprings.macro.sets import spring_sets
+from pysprings.memory import build
+from pysprings.memory.build import build_memory, digest, with_memory
+from pysprings.memory.elements import FRICTIONAL
+from pysprings.memory.mixture import mixed
+from pysprings.memory.model import MemorySprings
 from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
 from tests.support.fans import LENGTH
@@ -29,7 +28,7 @@ from tests.support.winkler import elements_of
 WAY = 1e-3 * np.array([[1.0, 0.2], [3.0, -0.4], [-1.0, 0.1], [-2.0, 0.3], [2.0, 0.0], [0.0, 0.0]]) / [1.0, LENGTH]
 
 
-def memory(V: float) -> MemoryModel:
+def memory(V: float) -> MemorySprings:
     return build_memory(loaded.springs().at(V=V))
 
 
@@ -86,7 +85,7 @@ def test_rays_that_turn_back_at_one_of_two_loads_answer_there() -> None:
     np.testing.assert_allclose(answer["H"], memory(REST).solve("state", WAY)[1][:, 0], rtol=1e-12)
     for V in (REST, 1.5 * REST, HEAVY):
         assert "memory" in spring_sets(lone.at(V=V))
-    assert {"turning_0_1", "turning_50_1"} < set(MacroModel.from_springs(lone, "memory", V=HEAVY).sources)
+    assert {"turning_0_1", "turning_50_1"} < set(MacroModel.from_springs(lone, "memory", V=HEAVY).response.sources)
 
 
 def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_the_rate() -> None:

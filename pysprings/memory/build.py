@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
-from pysprings.macro.memory.calibration import ElementSet, calibrate
-from pysprings.macro.memory.changing import ChangingLoad, fitted
-from pysprings.macro.memory.mixture import mixed, shares_at
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.samples import Sample, samples
-from pysprings.macro.memory.shares import Shares
-from pysprings.macro.memory.water import Water
+from pysprings.memory.calibration import ElementSet, calibrate
+from pysprings.memory.mixture import ChangingLoad, fitted, mixed, shares_at
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.samples import Sample, samples
+from pysprings.memory.shares import Shares
+from pysprings.memory.water import Water
 from pysprings.springs.path import SpringPath, same_load
 from pysprings.springs.springs import Springs, memory_groups
 
@@ -31,6 +30,10 @@ MISSING = (
     "no ray that turns back at this vertical load and rate: monotonic paths do not show how the soil reacts on "
     "reversal. Run the scene with `[springs] memory = true`, or add a translation or rotation with `then` and "
     'role = "memory"'
+)
+CALIBRATED = (
+    "the file has no elements that belong to its paths: they were calibrated for this answer. `pysprings springs FILE "
+    "--out NEW.nc` writes a file that has them"
 )
 VERSION = 9
 CHANGE = f"{MEMORY}_load_change"
@@ -42,10 +45,10 @@ def has_memory(springs: Springs) -> bool:
     return has_fan(springs) and bool(_at_loads(springs))
 
 
-def build_memory(springs: Springs) -> MemoryModel:
-    """Return the model with a memory of springs at one rate and vertical load; the stored one where it is theirs.
+def build_memory(springs: Springs) -> MemorySprings:
+    """Return springs with a memory at one rate and vertical load; with the stored elements where they are theirs.
 
-    Between two rates, or vertical loads, with rays that turn back it has the elements of both, each with its share;
+    Between two rates, or vertical loads, with rays that turn back they have the elements of both, each with its share;
     beyond the loads those of the nearest.
 
     Raises
@@ -58,9 +61,14 @@ def build_memory(springs: Springs) -> MemoryModel:
     rate = float(springs.attrs["rate_m_per_s"]) if springs.parts else turning.rate
     sets, needed = sum(len(_recorded(at)) for at, _ in parts), _needed(springs)
     found = {load: _elements(at) for load, at in known.items() if any(at is each for each in needed)}
-    elements = mixed([(found[load], share) for load, at in known.items() for each, share in parts if each is at])
-    changing = _changing(springs, found) if _follows(springs) else None
-    return MemoryModel(elements, table, V, rate if springs.rate_sets else None, sets, changing)
+    paths = springs.remembering or [path for path in springs.paths.values() if path.remembers]  # of another load
+    return MemorySprings(
+        table, springs.paths[table.path[0]], (*table.path, *(path.name for path in paths)),
+        () if has_elements(springs) else (CALIBRATED,),
+        elements=mixed([(found[load], share) for load, at in known.items() for each, share in parts if each is at]),
+        V=V, rate=rate if springs.rate_sets else None, sets=sets,
+        changing=_changing(springs, found) if _follows(springs) else None,
+    )  # fmt: skip
 
 
 def _follows(springs: Springs) -> bool:

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIBLE, histories
-from pysprings.macro.memory.samples import Sample
-from pysprings.macro.memory.water import Water, ridge_fit, water_of
+from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIBLE, histories
+from pysprings.memory.samples import Sample
+from pysprings.memory.water import Water, ridge_fit, water_of
 
 Array = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
-from pysprings.macro.memory.candidates import Candidates, around, candidates, force_directions
-from pysprings.macro.memory.elements import PLASTIC, PLATES, REVERSIBLE
-from pysprings.macro.memory.samples import Sample
-from pysprings.macro.memory.shares import Shares, at_rest, elastic_motions, shares_of, stiffnesses
+from pysprings.memory.candidates import Candidates, around, candidates, force_directions
+from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE
+from pysprings.memory.samples import Sample
+from pysprings.memory.shares import Shares, at_rest, elastic_motions, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class ElementSet:
 
     Attributes
     ----------
-    rows : (n, COLUMNS) parameters, see `pysprings.macro.memory.elements`; B in N/m.
+    rows : (n, COLUMNS) parameters, see `pysprings.memory.elements`; B in N/m.
     reach : size of the largest motion of the rays [m].
     shares : how the elements share out the reactions.
     residual : norm of what is left of the weighted equations, relative to their right sides.
@@ -67,7 +67,7 @@ def calibrate(
 ) -> ElementSet:
     """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
 
-    choice: elements to choose from, instead of those of `pysprings.macro.memory.candidates`. What is chosen from them
+    choice: elements to choose from, instead of those of `pysprings.memory.candidates`. What is chosen from them
     is chosen a second time, with what is `around` it. most: numbers that the state of the elements may have in two
     planes; of more elements those that carry most are kept, and fitted again. Reactions are shared out as along the
     recorded ways (`Sample.recorded`). others: ways at other rates, from which the water's part of p comes, too.

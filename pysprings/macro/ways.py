@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Where a sequence of loads or motions leaves what springs are calibrated on: one direction, and never back; control.
+"""Ways through loads or motions: how they are driven, and where they leave what springs are calibrated on.
 
 Calibration paths keep the ratio of rotation to u, or of M to H, and grow. A sequence that turns aside or back meets
-soil that has yielded; the springs have no memory of that. From such a state on every answer is marked.
+soil that has yielded; the springs have no memory of that. From such a state on every answer is marked. Beyond their
+range springs have no answer: `range_limit` finds the largest load within it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,11 @@ from numpy.typing import NDArray
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION, same_load
 
+if TYPE_CHECKING:
+    from pysprings.macro.response import Response
+
+Array = NDArray[np.float64]
+Marks = NDArray[np.bool_]
 Control = Literal["displacement", "rotation", "load", "state"]
 
 
@@ -53,11 +60,11 @@ def ending(control: Control, reached: tuple[float, float], target: Array, states
     return f"macro-model: no equilibrium beyond {got} on the way to {aim}; {last}"
 
 
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
-
-# Targets below this share of the largest one have no direction, and steps back below it are none (rounding).
+# Targets below this share of the largest one have no direction, and steps back below it are none; loads below this
+# share of the other one are what rounding has left of zero.
 ROUNDING = 1e-9
+RANGE_SLACK = 1e-6  # share by which a spring may exceed its range before it counts as extrapolated (rounding)
+BISECTIONS = 40
 
 _TURNED = "after the sequence turned back: the springs go back on the same curve, the soil does not"
 
@@ -112,3 +119,63 @@ def _leaves(plane: Array) -> tuple[Marks, Marks]:
     aside = across > np.sin(SAME_DIRECTION) * size + ROUNDING * largest
     back = along < np.maximum.accumulate(along) - ROUNDING * largest
     return np.logical_or.accumulate(aside), np.logical_or.accumulate(back)
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """Last state within the range of the springs: u [m], rotation [rad], and its loads H [N], M [N m]."""
+
+    u: float
+    rotation: float
+    H: float
+    M: float
+
+    def attributes(self) -> dict[str, float]:
+        """Return the limit as attributes of an answer."""
+        return {"limit_H_N": self.H, "limit_M_Nm": self.M, "limit_u_m": self.u, "limit_rotation_rad": self.rotation}
+
+    def __str__(self) -> str:
+        largest = max(abs(self.H), abs(self.M))
+        force, moment = (0.0 if abs(x) < ROUNDING * largest else x for x in (self.H, self.M))
+        return (
+            f"within their range they carry H = {force:.4g} N with M = {moment:.4g} N m "
+            f"(at u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Along:
+    """What of a way is to be marked.
+
+    Attributes
+    ----------
+    aim : load (H, M) that was not carried where the way ended before it.
+    turned : marks of states after a turn of the way.
+    limit : returns the largest load within the range of the springs, given the number of the first state beyond it.
+    notes : further sentences on the way.
+    """
+
+    aim: Array | None = None
+    turned: Turns | None = None
+    limit: Callable[[int], Limit] | None = None
+    notes: tuple[str, ...] = ()
+
+
+def range_limit(response: Response, control: Control, targets: Array, arm: float, states: Array) -> Limit:
+    """Return where the way to the last of some targets (n, 2) leaves the range, by bisection of its last piece.
+
+    states (n-1, 2) are those of the targets before it, all of them within the range.
+    """
+    origin = np.zeros((1, 2))
+    before, state = np.concatenate([origin, targets[:-1]])[-1], np.concatenate([origin, states])[-1]
+    last, load = state, response.loads_at(*state)[0]
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        aim = before + middle * (targets[-1] - before)
+        reached, loads, message = response.solve(control, aim[None], arm, (state, before))
+        if not message and response.range_used(reached)[0] <= 1.0 + RANGE_SLACK:
+            low, last, load = middle, reached[0], loads[0]
+        else:
+            high = middle
+    return Limit(float(last[0]), float(last[1]), float(load[0]), float(load[1]))

@@ -15,15 +15,15 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycles import follow_path
 from pysprings.macro.cycles_text import reaction_errors
 from pysprings.macro.fan import FanTable, build_fan
-from pysprings.macro.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
-from pysprings.macro.memory.changing import ChangingLoad
-from pysprings.macro.memory.mixture import mixed as together
-from pysprings.macro.memory.model import MemoryModel
-from pysprings.macro.memory.shares import elastic_motions
-from pysprings.macro.memory.stepper import MemoryStepper
-from pysprings.macro.memory.water import TIMES, Water, water_of
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict, sequence
+from pysprings.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
+from pysprings.memory.mixture import ChangingLoad
+from pysprings.memory.mixture import mixed as together
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.shares import elastic_motions
+from pysprings.memory.stepper import MemoryStepper
+from pysprings.memory.water import TIMES, Water, water_of
 from pysprings.springs.springs import Springs
 from tests.support import wet, winkler
 from tests.support.fans import DEPTH, LENGTH
@@ -44,13 +44,13 @@ def table() -> FanTable:
 
 
 @cache
-def model(seed: int = 1) -> MemoryModel:
+def model(seed: int = 1) -> MemorySprings:
     """Mixed elements on the fan of coupled paths, with water of any size that drains in 3 to 300 s."""
     rows, random = mixed(n=6, seed=seed), np.random.default_rng(seed)
     elements = elements_of(rows, table())
     factors = random.normal(size=(int(table().wet.sum()), 3, 2 * len(rows)))
     water = Water(factors, np.repeat([[3.0], [30.0], [300.0]], len(rows), axis=1))
-    return MemoryModel(replace(elements, shares=replace(elements.shares, water=water)), table(), rate=RATE)
+    return winkler.remembering(replace(elements, shares=replace(elements.shares, water=water)), table(), rate=RATE)
 
 
 def test_pressure_builds_up_and_drains_as_a_maxwell_body() -> None:
@@ -254,8 +254,7 @@ def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back() -> 
         for kind in ("memory", "fan"):
             followed = follow_path(path, MacroModel.from_springs(own, kind))
             found[len(rates), kind] = reaction_errors(followed)["p_water_error_pct"]
-        rest = MacroModel.from_springs(own, "memory").memory
-        assert rest is not None
+        rest = build_memory(own)
         held = np.array([[3e-3, -5e-4], [3e-3, -5e-4]])
         pressure = rest.reactions(held, np.array([30.0, 1e5]))[rest.table.wet]
         assert np.abs(pressure[:, 1]).max() < 1e-3 * np.abs(pressure[:, 0]).max()

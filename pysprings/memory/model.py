@@ -1,47 +1,62 @@
 # SPDX-License-Identifier: MIT
-"""Springs with a memory, asked along sequences from rest."""
+"""Springs with a memory: the response of elements along sequences from rest."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.fan import RANGE_SLACK, FanTable
-from pysprings.macro.history import Control, ending, equations
-from pysprings.macro.memory.calibration import ElementSet, way_of
-from pysprings.macro.memory.changing import ChangingLoad
-from pysprings.macro.memory.elements import STATES, follow, tangents
-from pysprings.macro.memory.marks import off_rate
-from pysprings.macro.memory.shares import elastic_motions
+from pysprings.core.errors import refused
+from pysprings.macro.fan_springs import FanSprings
+from pysprings.macro.response import ElementRows
 from pysprings.macro.solver import Drive
-from pysprings.springs.path import same_load
+from pysprings.macro.vertical import VerticalTable
+from pysprings.macro.ways import RANGE_SLACK, Along, Control, ending, equations
+from pysprings.memory.calibration import ElementSet, numbers_of, way_of
+from pysprings.memory.elements import PLATES, STATES, follow, tangents
+from pysprings.memory.mixture import ChangingLoad
+from pysprings.memory.shares import elastic_motions, loads_of
+from pysprings.springs.path import TOGETHER, same_load
 
 Array = NDArray[np.float64]
+Marks = NDArray[np.bool_]
+
+_NOT_ASKED = {
+    "cases": "springs with memory answer sequences, not independent cases: ask for 'fan'",
+    "secant": "springs with memory have no secant stiffness of a state: ask for the springs 'fan'",
+}
+
+# ways on which motions between the planes are tried: directions of (u, rotation L), motions over the reach
+_ANGLES = np.radians([-90.0, -60.0, -45.0, -30.0, 0.0, 30.0, 60.0])  # of (u, rotation L)
+_WAY = np.concatenate([np.linspace(0.02, 0.5, 25), np.linspace(0.48, -0.5, 50), np.linspace(-0.48, 0.5, 50)])
 
 
 @dataclass(frozen=True, eq=False)
-class MemoryModel:
-    """Elements with a memory, and the layout of the reactions of a caisson.
+class MemorySprings(FanSprings):
+    """Elements with a memory (`pysprings.memory.elements`) that share out the reactions of a fan.
 
     Attributes
     ----------
-    elements : calibrated elements.
     table : fan of the rays: names, depths and actions of the reactions, and the size of the loads.
+    elements : calibrated elements.
     V : vertical load [N] of the rays that turn back, or between two of theirs; NaN where it is not known.
     rate : their rate [m/s, of rho], or between two; None where springs do not depend on one.
     sets : number of sets that the elements are from: more than one between two vertical loads or rates.
     changing : elements under a V that changes; None where the springs have no rays on which V changes.
     """
 
-    elements: ElementSet
-    table: FanTable
-    V: float = np.nan
-    rate: float | None = None
-    sets: int = 1
-    changing: ChangingLoad | None = None
+    elements: ElementSet = field(kw_only=True)
+    V: float = field(default=np.nan, kw_only=True)
+    rate: float | None = field(default=None, kw_only=True)
+    sets: int = field(default=1, kw_only=True)
+    changing: ChangingLoad | None = field(default=None, kw_only=True)
+    curves: ClassVar[str] = "elastoplastic elements in parallel, which remember reversals"
+    sequence_remarks: ClassVar[tuple[str, ...]] = ()
 
     @cached_property
     def to_motion(self) -> Array:
@@ -58,20 +73,46 @@ class MemoryModel:
         w, V = (float(rows[self.table.name == name][0]) for name in ("w", "V"))
         return w, V
 
+    @property
+    def element_rows(self) -> ElementRows:
+        """The elements for programs that step in time."""
+        own, names = self.elements, self.table.name[~self.elements.shares.odd].tolist()
+        down = [names.index(name) for name in ("w", "V")]
+        factors = own.shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
+        head = (own.largest, 1.0 / float(np.asarray(own.shares.growth)), own.way, *self.rest) if self.sets == 1 else ()
+        return ElementRows(np.concatenate([own.rows, factors], axis=1), head, numbers_of(own.rows), self.sets)
+
+    def plane_notes(self) -> list[str]:
+        """Return a sentence on motions at 45 degrees between the planes of the plates."""
+        H, M = error_between_planes(self.elements)
+        return [
+            f"gap and frictional elements stand in the planes of x and y: at 45 degrees between them loads differ by "
+            f"up to {100 * H:.2g} % in H and {100 * M:.2g} % in M, of the largest on a way to half of the reach, back "
+            "and forth"
+        ]
+
+    def check_state(self, asked: Literal["cases", "secant"]) -> None:
+        """Raise UserInputError: a state alone has no answer, it depends on the way to it."""
+        raise refused("springs_kind", _NOT_ASKED[asked])
+
     def under(self, V: float | Array | None) -> ChangingLoad | None:
         """Return the elements that follow vertical loads (n,) [N]; None where all are that of the elements, or none."""
         if self.changing is None or V is None:
             return None
         return None if all(same_load(self.V, each) for each in np.unique(V)) else self.changing
 
-    def lacks(self, V: Array, other: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def follows(self, V: float | Array | None) -> bool:
+        """Return whether the elements follow vertical loads (n,) [N] that are not their own."""
+        return self.under(V) is not None
+
+    def lacks(self, V: Array, other: Marks) -> Marks:
         """Return which states under V (n,) [N] the elements do not follow, where `other` (n,) are not at their V.
 
         They are those from the first one on that is not at their V, or, with rays on which V changes, beyond its range.
         """
         changing = self.under(V)
         beyond = other if changing is None else other & ~changing.covers(V)
-        found: NDArray[np.bool_] = np.logical_or.accumulate(beyond)
+        found: Marks = np.logical_or.accumulate(beyond)
         return found
 
     def rest_under(self, V: float | Array | None) -> tuple[float, float]:
@@ -82,21 +123,57 @@ class MemoryModel:
         rows = np.stack([each.shares.rest for each in changing.sets])
         return self._w_and_load(changing.mixed(rows[:, :, None], np.ravel(V)[:1])[:, 0])
 
-    def loads_text(self) -> str:
-        """Return the vertical loads of the elements in words."""
-        if self.changing is None:
-            return f"that of the elements ({self.V:.7g} N)"
-        low, high = self.changing.loads[[0, -1]]
-        return f"those of the elements ({low:.7g} to {high:.7g} N)"
+    def lacks_notes(self, V: Array, lacking: Marks) -> list[str]:
+        """Return a sentence on states under another V [N] than the elements follow, or after one."""
+        if not lacking.any():
+            return []
+        own, there = f"that of the elements ({self.V:.7g} N)", "unchanged"
+        if self.changing is not None:
+            low, high = self.changing.loads[[0, -1]]
+            own = f"those of the elements ({low:.7g} to {high:.7g} N)"
+        if self.follows(V):
+            there = "are those at the nearest load"
+        text = f"{lacking.sum()} of {lacking.size} states are under another V than {own}, or come after one"
+        return [f"{text}: lateral springs {there}"]
+
+    def settle(self, vertical: VerticalTable, V: Array) -> Array:
+        """Return w [m], tangent, range used and that of V alone, (4, n), of vertical springs after all V (n,) [N]."""
+        return vertical.history(V)
+
+    def settled(self, vertical: VerticalTable | None, V: float | Array | None, between: float) -> float:
+        """Return what w [m] at rest lacks to that of the vertical springs, at the first of V [N]: see `Response`."""
+        changing = self.under(V)
+        if vertical is None or changing is None:
+            return between
+        w, load = self.rest_under(V)
+        recorded = any(same_load(load, each) for each in changing.loads)
+        return 0.0 if recorded else float(vertical.displacement(load)[0]) - w
+
+    def along(
+        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float
+    ) -> Along:
+        """Return a sentence where states (k, 2) come farther than the ways of the calibration; turns are no mark."""
+        come = way_of(states * self.to_motion) / self.elements.way
+        text = (
+            f"the motions add up to {come:.3g} times the way of the rays that turn back: heave, settlement and "
+            "vertical reactions are extrapolated beyond"
+        )
+        return Along(notes=(text,) if come > 1.0 + RANGE_SLACK else ())
 
     def solve(
-        self, control: Control, targets: Array, arm: float = 0.0, V: float | Array | None = None
+        self,
+        control: Control,
+        targets: Array,
+        arm: float = 0.0,
+        start: tuple[Array, Array] | None = None,
+        V: float | Array | None = None,
     ) -> tuple[Array, Array, str]:
-        """Follow targets (n, 2) from rest: states (k, 2) = (u, rotation), loads (k, 2) = (H, M), and where it ended.
+        """Follow targets (n, 2) from rest: see `pysprings.macro.model.MacroModel.solve`. From a start: on the fan.
 
-        As `pysprings.macro.model.MacroModel.solve`, whose controls these are. V (n,) [N]: vertical load of each target;
-        one number, or None, is that of the elements.
+        V (n,) [N]: vertical load of each target; one number, or None, is that of the elements.
         """
+        if start is not None:
+            return super().solve(control, targets, arm, start, V)
         targets = np.asarray(targets, dtype=float)
         drive, aims = self.equations(control, targets, arm)
         changing = self.under(V)
@@ -129,17 +206,10 @@ class MemoryModel:
         factor = {"load": self.to_motion, "state": 1.0 / self.to_motion}.get(control, np.ones(2))
         return float(c[0] * factor[0]), float(c[1] * factor[1])
 
-    def notes(self, states: Array) -> list[str]:
-        """Return a sentence where states (n, 2) = (u, rotation) come farther than the ways of the calibration."""
-        come = way_of(states * self.to_motion) / self.elements.way
-        text = (
-            f"the motions add up to {come:.3g} times the way of the rays that turn back: heave, settlement and "
-            "vertical reactions are extrapolated beyond"
-        )
-        return [text] if come > 1.0 + RANGE_SLACK else []
-
-    def off_rates(self, states: Array, time: Array) -> NDArray[np.bool_]:
-        """Return where steps to states (n, 2) = (u, rotation) at times (n,) [s], from rest at 0 s, are off the rate."""
+    def off_rates(self, states: Array, time: Array) -> Marks | None:
+        """Return where steps to states (n, 2) at times (n,) [s], from rest at 0 s, are off the rate; None without."""
+        if self.rate is None:
+            return None
         ways = np.hypot(*np.diff(states * self.to_motion, axis=0, prepend=0.0).T)
         steps = zip(ways, np.diff(time, prepend=0.0), strict=True)
         return np.array([bool(off_rate(self.rate, float(way), float(step))) for way, step in steps])
@@ -199,3 +269,34 @@ class MemoryModel:
 def _each(V: float | Array | None, states: Array) -> Array:
     """Return the vertical load (n,) [N] of each state."""
     return np.broadcast_to(np.asarray(V, dtype=float), len(states)).copy()
+
+
+def off_rate(own: float | None, moved: float, duration: float | None) -> bool | None:
+    """Return whether a motion [m] in a time [s] has another rate than the elements; None where that is not known.
+
+    A rest has no rate: it is not marked.
+    """
+    if own is None or duration is None:
+        return None
+    return moved > 0.0 and not 1.0 / TOGETHER < moved / duration / own < TOGETHER
+
+
+def error_between_planes(elements: ElementSet) -> tuple[float, float]:
+    """Return the largest differences of H and M at 45 degrees between two planes, over the largest of each way.
+
+    The ways go to half of the reach, back to the other side, and forth again, in seven directions of (u, rotation L).
+    Plastic elements have no preferred plane; each plate of the others takes cos(45 deg) of the motion.
+    """
+    rows = elements.rows
+    plate = np.isin(rows[:, 0], PLATES)
+    largest = np.zeros(2)
+    for angle in _ANGLES:
+        way = elements.reach * _WAY[:, None] * np.array([math.cos(angle), math.sin(angle)])
+        whole = loads_of(rows, elastic_motions(rows, way, elements.largest)[0])
+        if not plate.any():
+            continue
+        plates, half = rows[plate], math.sqrt(0.5)
+        along = loads_of(plates, elastic_motions(plates, way, elements.largest)[0])
+        between = loads_of(plates, elastic_motions(plates, half * way, elements.largest)[0]) / half
+        largest = np.maximum(largest, np.abs(between - along).max(axis=0) / np.abs(whole).max())
+    return float(largest[0]), float(largest[1])

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.memory.elements import COLUMNS, FRICTIONAL, GAP, PLASTIC, REVERSIBLE
+from pysprings.memory.elements import COLUMNS, FRICTIONAL, GAP, PLASTIC, REVERSIBLE
 
 Array = NDArray[np.float64]
 

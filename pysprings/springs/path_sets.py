@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Springs between those that are known: sets of paths at several rates or dead loads, and the paths between two sets.
+"""Sets of paths at several rates or dead loads, and the paths between two sets.
 
 The rate of a path is that of its state, v = rho/t at its end, with rho = |(u, rotation*L)| and L the skirt length: for
 a path that keeps its direction this is constant. Paths within half a decade of each other are one set. Between two sets

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: MIT
+"""What answers: one protocol for rows of springs (`rows`), a fan of rays (`fan_springs`), and springs with a memory.
+
+Rows and fans are backbones: (H, M) is a function of the state (u, rotation). With a memory it depends on the whole way
+to the state. All else of an answer (vertical loads, ends of paths, marks, words) asks `Response`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.macro.solver import ROWS, SpringArrays, follow, reactions, solve_cases, tangents
+from pysprings.macro.ways import Along, Control, Limit, ending, equations, range_limit, turns
+
+if TYPE_CHECKING:
+    from pysprings.macro.curve_table import SpringTable
+    from pysprings.macro.fan import FanTable
+    from pysprings.macro.vertical import VerticalTable
+    from pysprings.springs.path import SpringPath
+    from pysprings.springs.path_ends import PathEnd
+
+Array = NDArray[np.float64]
+Marks = NDArray[np.bool_]
+
+ELASTIC = "the springs are nonlinear elastic: a path that turns back goes back on the same curve, without hysteresis"
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """Answers of springs at states, besides the loads: w [m], V [N] by step, p (depth, step), and their support.
+
+    w and V are None where springs do not have them; distance is None where no path is known; water, the part of p that
+    pore water carries (side, depth, step), where the springs do not have it; softened where no curve is known to
+    soften.
+    """
+
+    w: Array | None
+    V: Array | None
+    p: Array
+    usable: NDArray[np.int8]
+    used: Array
+    distance: Array | None
+    off: Marks
+    notes: list[str]
+    water: Array | None = None
+    softened: Marks | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ElementRows:
+    """Elements that keep a state, for programs that step in time: none of a backbone.
+
+    Attributes
+    ----------
+    rows : (n, 14) ten parameters each (`pysprings.memory.elements`), and factors of w and V [1, N/m]: two of the way,
+        two of the stored part.
+    head : largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest.
+    numbers : of a state in two planes.
+    sets : number of sets that they are from.
+    """
+
+    rows: Array
+    head: tuple[float, ...] = ()
+    numbers: int = 0
+    sets: int = 1
+
+
+class Response(Protocol):
+    """Lateral springs of a caisson, as a table of their backbones, and how they answer.
+
+    Attributes
+    ----------
+    table : the backbones as interpolation tables.
+    origin : path that gives depths and the state at rest; the first ray of a fan; without states for free curves.
+    sources : names of the paths that the springs come from.
+    remarks : sentences that go with every answer.
+    curves : what the springs are, in words. sequence_remarks : sentences that go with sequences.
+    """
+
+    table: SpringTable | FanTable
+    origin: SpringPath
+    sources: tuple[str, ...]
+    remarks: tuple[str, ...]
+    curves: ClassVar[str] = "monotonic backbone, odd, last slope beyond the calibrated range"
+    sequence_remarks: ClassVar[tuple[str, ...]] = (ELASTIC,)
+    law: ClassVar[int] = ROWS
+
+    # --- each kind of springs has its own ---
+
+    def support(self, states: Array, time: Array | None = None, V: float | Array | None = None) -> Support:
+        """Return what goes with states (n, 2) = (u, rotation) at times (n,) [s] under V [N], and where it holds."""
+
+    def range_used(self, states: Array) -> Array:
+        """Return the largest displacement of a spring over its range, by state (n, 2)."""
+
+    def paths_at(self, state: Array) -> list[str]:
+        """Return the names of the paths that the springs at a state (2,) come from."""
+
+    def range_words(self) -> tuple[str, str]:
+        """Return words for where springs end: what reaches beyond, and whose range it is."""
+
+    def beyond(self, failed: list[PathEnd], states: Array, over: Marks) -> Iterator[tuple[PathEnd, Marks]]:
+        """Yield ends of paths that failed, and the states beyond the range of each, of those `over` their range."""
+
+    def farthest(self) -> float:
+        """Return a motion [m] that leaves the range of the springs in most directions."""
+
+    def provenance(self) -> dict[str, Any]:
+        """Return attributes on the paths that the springs come from."""
+
+    # --- a backbone ---
+
+    @cached_property
+    def arrays(self) -> SpringArrays:
+        """The backbones as the solver reads them."""
+        return SpringArrays(self.law, *self.table.solver_arrays)
+
+    @property
+    def rest(self) -> tuple[float, float]:
+        """w [m] and V [N] of the springs at rest."""
+        return float(self.origin.w[0]), self.origin.load
+
+    @property
+    def element_rows(self) -> ElementRows:
+        """Elements that keep a state."""
+        return ElementRows(np.zeros((0, 14)))
+
+    def plane_notes(self) -> list[str]:
+        """Return sentences on what elements in two planes change on motions between them."""
+        return []
+
+    def solve(
+        self,
+        control: Control,
+        targets: Array,
+        arm: float = 0.0,
+        start: tuple[Array, Array] | None = None,
+        V: float | Array | None = None,
+    ) -> tuple[Array, Array, str]:
+        """Follow the equilibrium through targets: see `pysprings.macro.model.MacroModel.solve`."""
+        state, first = start or (np.zeros(2), np.zeros(2))
+        way = np.concatenate([[first], np.asarray(targets, dtype=float)])
+        drive, aims = equations(control, way, arm, self.table.load_scale)
+        out = np.zeros((2, *aims.shape))
+        with np.errstate(all="ignore"):  # an iterate that runs away is given up, with or without Numba
+            n, at0, at1 = follow(self.arrays, drive, state, aims, out[0], out[1])
+        states, loads = out[0, 1:n], out[1, 1:n]
+        return states, loads, "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
+
+    def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
+        """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
+        drive, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
+        states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
+        solve_cases(self.arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
+        return states, loads, reached
+
+    def loads_at(self, u: float, rotation: float) -> tuple[Array, Array]:
+        """Return the loads (H [N], M [N m]) of the backbone at a state, and their tangent (2, 2) to (u, rotation)."""
+        force, tangent = np.zeros(2), np.zeros((2, 2))
+        reactions(self.arrays, float(u), float(rotation), force, tangent)
+        return force, tangent
+
+    def tangents(self, states: Array, V: float | Array | None = None) -> Array:
+        """Return the tangents (n, 2, 2) to (u, rotation) at states (n, 2), or along them from rest under V [N]."""
+        out = np.zeros((len(states), 2, 2))
+        tangents(self.arrays, np.ascontiguousarray(states, dtype=float), out)
+        return out
+
+    def deviations(self, control: Control, states: Array, tangents: Array, arm: float) -> Iterator[tuple[str, Array]]:
+        """Yield the standard deviations of an answer by name; none but of springs of an atlas."""
+        yield from ()
+
+    def widening(self, states: Array, loads: Array, utilisation: Array) -> Array | None:
+        """Return what deviations of motions are multiplied with near the largest load; None but of an atlas."""
+        return None
+
+    def along(
+        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float
+    ) -> Along:
+        """Return what is to be marked along a way to targets (n, 2) that came to states (k, 2), from V at rest [N]."""
+
+        def limit(first: int) -> Limit:
+            return range_limit(self, control, targets[: first + 1], arm, states[:first])
+
+        aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
+        return Along(aim, turns(control, targets[: len(states)], self.origin.length, V, rest), limit)
+
+    def check_state(self, asked: Literal["cases", "secant"]) -> None:
+        """Raise UserInputError where independent cases, or the secant of a state, have no answer of these springs."""
+        return None
+
+    def off_rates(self, states: Array, time: Array) -> Marks | None:
+        """Return where steps to states (n, 2) at times (n,) [s] are off the rate of the springs; None: they have none.
+
+        The way begins at rest at 0 s.
+        """
+        return None
+
+    # --- a backbone under a vertical load ---
+
+    def follows(self, V: float | Array | None) -> bool:
+        """Return whether the springs follow vertical loads (n,) [N] that are not their own."""
+        return False
+
+    def lacks(self, V: Array, other: Marks) -> Marks:
+        """Return which states under V (n,) [N] the springs do not cover, where `other` (n,) are not at their V."""
+        return other
+
+    def lacks_notes(self, V: Array, lacking: Marks) -> list[str]:
+        """Return a sentence on states that lack springs at their V (n,) [N]."""
+        return [other_load(self.origin, V[lacking]) + "lateral springs unchanged"] if lacking.any() else []
+
+    def settle(self, vertical: VerticalTable, V: Array) -> Array:
+        """Return w [m], tangent, range used, the last one of V alone, (3 or 4, n), of vertical springs under V [N]."""
+        return vertical.displacements(V)
+
+    def settled(self, vertical: VerticalTable | None, V: float | Array | None, between: float) -> float:
+        """Return what w [m] of the lateral springs at rest lacks to that of the vertical ones, at the V of their start.
+
+        between: that of springs between two vertical loads.
+        """
+        return between
+
+
+def other_load(origin: SpringPath, V: Array) -> str:
+    """Return words for vertical loads [N] that are not that of a path."""
+    return f"V = {list_of(V)} N is not that of path '{origin.name}' ({origin.load:.7g} N): "
+
+
+def list_of(V: Array) -> str:
+    """Return the first three of different loads [N] in words."""
+    values = np.unique(V)
+    return ", ".join(f"{value:.7g}" for value in values[:3]) + (" ..." if values.size > 3 else "")
