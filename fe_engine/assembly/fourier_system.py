@@ -68,7 +68,7 @@ class FourierSystem:
             np.ascontiguousarray(model.mesh.quads, dtype=np.int64), gradient, volume, waves, np.pi / model.azimuths,
             *soil_rows(model), model.initial_stress, 1.0,
         )  # fmt: skip
-        self._soil_forces = kernels.soil_forces_of(self.soil.law)
+        self.soil_forces = kernels.soil_forces_of(self.soil.law)
         self.pattern = make_pattern(model)
         self.factors = self._factorise(gradient, volume)
         self.stations = pack_stations(model)
@@ -181,7 +181,7 @@ class FourierSystem:
         """Return forces (n, 3, K) of the soil; ``with_tangent`` adds yielding points to the tangent."""
         old, new = (SoilState(f.displacement, f.stress, f.history) for f in (state.committed, state.trial))
         force = np.zeros(self.model.displacement_shape)
-        bad = self._soil_forces(self.soil, old, new, self.regime, with_tangent, self._plastic, force)
+        bad = self.soil_forces(self.soil, old, new, self.regime, with_tangent, self._plastic, force)
         if bad >= 0:
             r, z = self.model.mesh.nodes[self.model.mesh.quads[bad]].mean(axis=0)
             raise LawError(f"soil law did not converge in element {bad} at r={r:.3f}, z={z:.3f} m")

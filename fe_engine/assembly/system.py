@@ -38,7 +38,7 @@ class System:
             self.hexes, self.gradient, self.mean_gradient, self.volume, *soil_rows(model), model.initial_stress,
             self.frame_of, self.frames, 1.0,
         )  # fmt: skip
-        self._assemble = kernels.assembly_of(self.elements.law)
+        self.assemble = kernels.assembly_of(self.elements.law)
         self.time_step = 0.0  # s, of the present increment; only water asks for it
         self.sealed = False  # see fourier_system: bricks hold fixed pressures at any time
         self.stations = kernels_stations.pack_stations(model)
@@ -239,7 +239,7 @@ class System:
     def _soil(self, state: State, tangent: Tangent | None) -> Forces:
         """Return the forces of soil and linear elements; adds to the tangent if one is given."""
         forces, targets = self._no_forces(), _targets(tangent)
-        bad = self._assemble(
+        bad = self.assemble(
             self.elements, _soil_of(state.committed), _soil_of(state.trial), self.regime, self._scatter,
             self.pattern.element_offset, forces, targets,
         )  # fmt: skip

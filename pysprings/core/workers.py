@@ -150,6 +150,8 @@ class Workers:
         return [worker for worker in self._all if worker.task is not None]
 
     def _hand_out(self, waiting: list[Task]) -> None:
+        for worker in [each for each in self._all if each.task is None and not each.process.is_alive()]:
+            self._remove(worker)  # it has died idle, which is no try of a task
         self._start(len(waiting) + len(self._busy))
         for worker in self._all:
             if waiting and worker.task is None:
@@ -228,7 +230,7 @@ class _Worker:
         theirs.close()
 
     def take(self, task: Task) -> None:
-        """Begin a task. A worker that died idle is found when it is asked for its answer."""
+        """Begin a task."""
         self.task = task
         with suppress(OSError):
             self.pipe.send((task.call, task.arguments))

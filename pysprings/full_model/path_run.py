@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 # A vertical path has come to its limit load where an increment fails and dV/dw is less than this share of that at rest.
 # Beyond, contact under the lid opens and closes from step to step, and V changes by 1 % at the most.
-_FLAT = 0.01
+FLAT = 0.01
 
 
 class PathRun:
@@ -100,7 +100,7 @@ class PathRun:
         stages = self._path_stages(rest)
         kind = PATH_KINDS[self.path.kind]
         if kind.drives == "w":
-            self.driver.at_limit = lambda: self._vertical_slope() < _FLAT
+            self.driver.at_limit = lambda: self._vertical_slope() < FLAT
         if kind.limited:
             self.reach = DisplacementLimit.of(self.work.scene, rest)
             self.driver.refusal = self.reach.refusal

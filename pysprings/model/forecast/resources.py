@@ -238,12 +238,12 @@ def jobs_for(scene: Scene, asked: int | None, times: Sequence[float] | None = No
         return 1
     times = path_seconds(scene, size_of(scene).unknowns) if times is None else times
     if asked is None:
-        asked = cores() if scene.discretisation == "fourier" and sum(times) > _WORTH_WORKERS else 1
+        asked = cores() if scene.discretisation == "fourier" and sum(times) > WORTH_WORKERS else 1
     fitting = int(_SHARE_OF_WORKERS * memory_left() / model_bytes(scene))
     return max(1, min(asked, len(times), fitting))
 
 
-_WORTH_WORKERS = 10.0  # s of all paths in this process; workers take about two to start
+WORTH_WORKERS = 10.0  # s of all paths in this process; workers take about two to start
 _SHARE_OF_WORKERS = 0.8  # of the memory that is left
 
 

@@ -50,7 +50,7 @@ class _Predictions(Mapping[str, xr.Dataset]):
 
 def is_result(tree: xr.DataTree) -> bool:
     """Return whether a tree is the result of a full model, not a set of springs."""
-    return any("p_component" in path for path in paths_of(tree).values()) or "run_json" in tree.attrs
+    return any("H_outer" in path for path in paths_of(tree).values()) or "run_json" in tree.attrs
 
 
 def draw(

@@ -284,7 +284,7 @@ def test_linear_elements_that_nothing_holds_are_refused():
 
 def test_a_law_that_fails_is_named_with_its_place(monkeypatch):
     system = FourierSystem(model := disc(1))
-    monkeypatch.setattr(system, "_soil_forces", lambda *_: 3)
+    monkeypatch.setattr(system, "soil_forces", lambda *_: 3)
     r, z = model.mesh.nodes[model.mesh.quads[3]].mean(axis=0)
     with pytest.raises(LawError, match=rf"soil law .* in element 3 at r={r:.3f}, z={z:.3f} m"):
         system.residual(State(model))

@@ -274,7 +274,7 @@ def test_contact_norm_is_the_change_of_the_station_forces():
 
 def test_a_law_that_fails_names_its_element_and_place(monkeypatch):
     system = System(model := mixed())
-    monkeypatch.setattr(system, "_assemble", lambda *_: 5)
+    monkeypatch.setattr(system, "assemble", lambda *_: 5)
     x, y, z = model.mesh.nodes[model.mesh.hexes[5]].mean(axis=0)
     with pytest.raises(LawError, match=rf"soil law .* in element 5 at x={x:.3f}, y={y:.3f}, z={z:.3f} m"):
         system.residual(State(model))

@@ -147,6 +147,7 @@ def test_pressures_in_the_plane_are_those_of_the_volume() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*faster than water crosses")
 def test_a_slow_push_is_drained_and_a_fast_one_undrained() -> None:
     drained, undrained = load(run(tiny.scene(mesh=SERIES))), load(run(wet("undrained")))
     assert undrained > 1.02 * drained

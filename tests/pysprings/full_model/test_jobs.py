@@ -25,10 +25,10 @@ from pysprings.full_model.run_record import Computed
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.resources import jobs_for
 from pysprings.results.folder import run_to_folder
-from tests.pysprings.full_model.test_resume import SECOND, assert_same, coupled, drained
 from tests.support import tiny
 from tests.support.commands import environment
 from tests.support.files import record_of
+from tests.support.two_paths import SECOND, assert_same, coupled, drained
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals are different there")
 
@@ -141,7 +141,7 @@ def test_workers_are_as_many_as_pay_and_fit(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(resources, "cores", lambda: 8)
     assert jobs_for(series, None) == 1  # they take no time
     assert jobs_for(drained(), 4) == 2 and jobs_for(drained(), 1) == 1
-    monkeypatch.setattr(resources, "_WORTH_WORKERS", 0.0)
+    monkeypatch.setattr(resources, "WORTH_WORKERS", 0.0)
     assert jobs_for(SCENES["series"](), None) == 2
     assert jobs_for(bricks, None) == 1  # each path has all cores
     monkeypatch.setattr(resources, "memory_left", lambda: 1.5 * resources.model_bytes(bricks))

@@ -37,22 +37,7 @@ from pysprings.results.layout import run_files
 from tests.support import tiny
 from tests.support.commands import command, environment
 from tests.support.files import contents, record_of
-
-SECOND = {**tiny.PULL, "name": "second", "kind": "translation"}
-
-
-def drained() -> pysprings.Scene:
-    """A dead load before each of two paths, five steps each."""
-    few = {"first_step_fraction": 0.2}
-    return tiny.scene(caisson={"vertical_load": 1.5e6}, paths=(tiny.PULL, SECOND), solver=few)
-
-
-def coupled() -> pysprings.Scene:
-    """A dead load, a pull, a rest, and another path."""
-    first = {**tiny.PULL, "rate": 1e-4, "role": "held-back", "then": ("rest 2 hour",)}
-    paths = (first, {**SECOND, "rate": 1e-3})
-    shallow, few = {"water_depth": 0.0}, {"first_step_fraction": 0.2}
-    return tiny.wet(drainage=shallow).replace(caisson={"vertical_load": 1.5e6}, paths=paths, solver=few)
+from tests.support.two_paths import SECOND, assert_same, coupled, drained, plain
 
 
 def viscous() -> pysprings.Scene:
@@ -85,21 +70,6 @@ class Stop:
         self.left -= (path == "model") == (self.of == "model")
         if self.left == 0:
             raise self.error
-
-
-def assert_same(result: xr.DataTree, other: xr.DataTree) -> None:
-    """Every number of the result and of its record, but for cost and dates."""
-    assert result.groups == other.groups
-    for group in other.groups:
-        xr.testing.assert_identical(*(_plain(tree[group]) for tree in (result, other)))
-    ours, theirs = record_of(result), record_of(other)
-    for key in ("status", "failures", "warnings", "paths", "solver", "mesh"):
-        assert ours[key] == theirs[key], key
-
-
-def _plain(node: xr.DataTree) -> xr.Dataset:
-    dataset = node.to_dataset(inherit=False)
-    return dataset.assign_attrs({key: "" for key in ("run_json", "history") if key in dataset.attrs})
 
 
 @pytest.fixture
@@ -181,7 +151,7 @@ def test_there_is_one_checkpoint_a_minute_and_what_came_after_it_is_computed_aga
     assert re.fullmatch("path 'pull', step [1-9]", record_of(result)["resumed"][0]["from"])
     ours, theirs = (tree["paths/pull"].to_dataset(inherit=False) for tree in (result, straight("drained")))
     xr.testing.assert_identical(ours, theirs)
-    xr.testing.assert_identical(_plain(result["paths/second"]), _plain(straight("drained")["paths/second"]))
+    xr.testing.assert_identical(plain(result["paths/second"]), plain(straight("drained")["paths/second"]))
 
 
 @pytest.mark.slow
@@ -285,7 +255,7 @@ def test_a_damaged_file_is_told_and_what_it_held_computed_again(
     (warning,) = record_of(result)["warnings"]
     assert warning == f"checkpoint {name}: its checksum is wrong; what it held is computed again"
     for group in straight("drained").groups:
-        xr.testing.assert_identical(*(_plain(tree[group]) for tree in (result, straight("drained"))))
+        xr.testing.assert_identical(*(plain(tree[group]) for tree in (result, straight("drained"))))
 
 
 def test_checkpoints_that_are_all_damaged_are_refused(stopped: Path, tmp_path: Path) -> None:

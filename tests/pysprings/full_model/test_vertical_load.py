@@ -108,7 +108,7 @@ def test_pull_out_ends_as_a_limit_load_at_its_first_failed_attempt(monkeypatch: 
     limit = LimitLoad(**record["limit_load"])
     assert limit.is_vertical and str(limit).startswith("V = -18")
     assert abs(ended["w"][-1]) < 10e-3
-    monkeypatch.setattr(path_run, "_FLAT", -np.inf)
+    monkeypatch.setattr(path_run, "FLAT", -np.inf)
     whole, record = ran(given)
     assert record["status"] == "complete" and float(whole["w"][-1]) == pytest.approx(-10e-3)
     assert float(whole["V"].min()) == pytest.approx(float(ended["V"].min()), rel=5e-3)

@@ -57,6 +57,7 @@ def test_time_and_volumes() -> None:
     assert sum(summary["steps_limited_by"].values()) == summary["increments"]
 
 
+@pytest.mark.filterwarnings("ignore:.*faster than water crosses")
 def test_a_slow_push_is_drained_and_a_fast_one_undrained() -> None:
     drained, undrained = loads(run(tiny.scene(paths=({**tiny.PULL, "rate": 1e-4},)))), loads(run(tiny.wet("undrained")))
     assert undrained[-1] > 1.02 * drained[-1]
