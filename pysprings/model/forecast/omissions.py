@@ -15,7 +15,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.linear.backends import available_backends
-from pysprings.core.words import MOST_DRAWN
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
@@ -211,7 +210,7 @@ def _outputs(scene: Scene) -> list[Omission]:
     if not output.paraview:
         out.append(_output_omission(scene, "the whole model at every step, and its ParaView files", "paraview"))
     if not output.figures:
-        time = PICTURE_SECONDS * min(len(scene.load_paths), MOST_DRAWN)
+        time = PICTURE_SECONDS["report"]
         now = _load(scene)
         rest = seconds(scene, now.unknowns, now.water, now.symmetric)
         saved = Saved(LAWS, time_share=_share(time / (time + rest)))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from fe_engine.linear.backends import available_backends
 from fe_engine.solve.stepping import fewest_increments
-from pysprings.core.words import MOST_DRAWN
 from pysprings.model.stages import imposed_motion, path_stages
 from pysprings.scene.soil_laws import SOIL_LAWS
 
@@ -44,7 +43,7 @@ _SYMMETRIC = 0.77  # 1/1.3 of docs/evidence/omissions.md on `coarse`: the least,
 # The lid of the paper's caisson (diameter 7.8 m) begins to lift off at 7 to 8 mm: with a share s of the motion beyond
 # that, 28 increments become 28 (1 + s), with 1 - s + 4.3 s times the time of an increment (`paper` to 20 mm).
 _LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 4.3
-PICTURE_SECONDS = 10.0  # of one path
+PICTURE_SECONDS = {"none": 0.0, "report": 3.0, "all": 10.0}  # of a run, by how many are asked for
 # The same of series, by a power of the unknowns; with water; and of the two runs on a coarser section that choose the
 # harmonics and estimate the error, of four paths at most (full_model.accuracy.own_estimate).
 _SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 9.0e-7, 1.2
@@ -94,16 +93,16 @@ def seconds(
         each = _SERIES_PER_UNKNOWN * unknowns**_SERIES_EXPONENT * (_SERIES_WATER if wet else 1.0)
         share = min(1.0, _ESTIMATED_PATHS / len(scene.load_paths))
         lift_off = _SERIES_LIFT_OFF * unknowns**_SERIES_LIFT_OFF_EXPONENT
-        return _pictures(scene) + _SERIES_START + (1.0 + _SERIES_ESTIMATE * share) * _of_paths(scene, each, lift_off)
+        return (
+            PICTURE_SECONDS[scene.output.pictures]
+            + _SERIES_START
+            + (1.0 + _SERIES_ESTIMATE * share) * _of_paths(scene, each, lift_off)
+        )
     each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
     each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
     if uses_superlu(scene) if superlu is None else superlu:
         each *= superlu_time(unknowns)
-    return _pictures(scene) + _START + _of_paths(scene, each)
-
-
-def _pictures(scene: Scene) -> float:
-    return PICTURE_SECONDS * min(len(scene.load_paths), MOST_DRAWN) if scene.output.figures else 0.0
+    return PICTURE_SECONDS[scene.output.pictures] + _START + _of_paths(scene, each)
 
 
 def _of_paths(scene: Scene, each: float, lift_off: float = _LIFT_OFF_TIME) -> float:
