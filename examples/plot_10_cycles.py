@@ -55,7 +55,7 @@ def pysprings(*words):
     return done.stdout
 
 
-pysprings("run", "turns.toml", "--out", "turns", "--no-estimate-error")
+pysprings("run", "turns.toml", "--out", "turns", "--no-estimate-error", "--figures", "all")
 errors = pysprings("compare", "turns", "--cycles")
 print(errors[: errors.index("\n\n")])
 

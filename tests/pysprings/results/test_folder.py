@@ -373,10 +373,11 @@ def test_ctrl_c_keeps_the_converged_steps(tmp_path: Path) -> None:
     args = [sys.executable, "-c", start, "run", str(file), "--out", str(tmp_path / "out")]
     env = environment()
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env) as run:
-        for _ in range(1200):  # a checkpoint of steps stands beside that of the model
-            if any((tmp_path / "out" / "checkpoint").glob("state-*")) or run.poll() is not None:
+        for _ in range(1200):  # paths begin once the folder of checkpoints stands
+            if (tmp_path / "out" / "checkpoint").is_dir() or run.poll() is not None:
                 break
             time.sleep(0.05)
+        time.sleep(2.0)
         run.send_signal(signal.SIGINT)
         out, err = run.communicate(timeout=60)
     assert run.returncode == 130, err
