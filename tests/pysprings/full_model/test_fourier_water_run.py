@@ -172,8 +172,7 @@ def test_undrained_is_the_fast_limit_but_for_the_element_that_mudline_drains(mon
     assert np.all(off[0.7] > 1e-3) and np.all(off[1.4] < 0.7 * off[0.7])
     (remark,) = fast_paths(translated("coupled", 0.7), build_fourier(wet()).section.mesh)
     assert "'pull'" in remark and fast_paths(wet(), build_fourier(wet()).section.mesh) == []
-    dry_corners = lambda scene, section: np.zeros(len(section.mesh.corners), dtype=bool)  # noqa: E731
-    monkeypatch.setattr(water, "drained_corners", dry_corners)
+    monkeypatch.setattr(water, "drained_corners", lambda _, section: np.zeros(len(section.mesh.corners), dtype=bool))
     np.testing.assert_allclose(both("coupled", 0.7), both("undrained", 0.7), rtol=1e-5)
 
 
