@@ -86,7 +86,7 @@ def lean(function: Callable[..., Any]) -> Any:
 def with_globals(function: Any, suffix: str, known: Mapping[str, Any]) -> Any:
     """Return a jitted copy of a jitted function, under a name of its own, to which ``known`` are global names.
 
-    Numba tells kept loops apart by their names and does not look at what they call.
+    Numba keeps loops by name: one name with another callee would read a loop that was kept for the first.
     """
     plain, name = getattr(function, "py_func", function), f"{function.__name__}_{suffix}"  # NUMBA_DISABLE_JIT: itself
     code = plain.__code__.replace(co_name=name, co_qualname=name)

@@ -47,7 +47,6 @@ class HarmonicFactors:
     Attributes
     ----------
     retained : (nk,) nodes that are not eliminated; schur : (K, 3 nk, 3 nk), three rows a node.
-    n_entries : numbers in the factors.
     """
 
     def __init__(self, elements: np.ndarray, retained: np.ndarray, stiffness: np.ndarray, held: np.ndarray) -> None:
@@ -84,7 +83,6 @@ class HarmonicFactors:
                 self.schur[k] = self._dense(diagonal[..., lane], lower[..., lane])
             used = self._pointer[self._n_eliminated]
             self._groups.append((first, len(ks), np.ascontiguousarray(lower[:used]), inverse))
-        self.n_entries = sum(lower.size + inverse.size for _, _, lower, inverse in self._groups)
         self._single: list[_Group] = [
             (first, count, lower.astype(np.float32), inverse.astype(np.float32))
             for first, count, lower, inverse in self._groups

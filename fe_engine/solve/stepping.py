@@ -57,8 +57,9 @@ class Driver:
     that change over the square of the motion, no less than the smallest eigenvalue. ``position`` is where the last
     commit left the stage: a new driver goes on from there as this one would have. ``refusal`` is asked with the motion
     of the border (nb,) that an increment has converged to: where it returns a reason, the attempt is given up and a
-    smaller one made; ``at_limit`` is asked after an attempt that failed: where it is true, no smaller one is made. The
-    relaxation time of a stage counts once an attempt has been given up: a run without one is that of the law itself.
+    smaller one made. ``failed`` is called after a failed attempt beyond the first increment of a stage; what it raises
+    ends the path. The relaxation time of a stage counts once an attempt has been given up: a run without one is that of
+    the law itself.
     """
 
     newton: Newton
@@ -71,12 +72,7 @@ class Driver:
     stiffness: float | None = None
     position: Position | None = None
     refusal: Callable[[np.ndarray], str] | None = None
-    at_limit: Callable[[], bool] | None = None
-
-    @property
-    def n_cut_backs(self) -> int:
-        """Number of attempts that were given up."""
-        return len(self.given_up)
+    failed: Callable[[], object] | None = None
 
     def run(self, stage: Stage, on_step: Callable[[Step], None], position: Position | None = None) -> None:
         """Run a stage, or the rest of it from a position; ``on_step`` is called after each commit.
@@ -107,7 +103,9 @@ class Driver:
             except NotConverged:
                 size = size.after_failure(step, again=cuts > 0)
                 cuts += 1
-                if size.exhausted or (self.at_limit is not None and self.at_limit()):
+                if last is not None and self.failed is not None:
+                    self.failed()
+                if size.exhausted:
                     raise
                 continue
             self.state.commit()

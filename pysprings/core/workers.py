@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Independent work in worker processes: one scheduler for the paths of a run, the runs of a study, pictures and files.
+"""Independent work in worker processes: one scheduler for the paths of a run and the runs of a study.
 
 Tasks are handed out one at a time, the longest first. Each worker is a process of `multiprocessing` with a pipe of its
 own, so that one that dies costs its own task alone: it is started anew, and the task begins once more (a path goes on
@@ -123,6 +123,15 @@ class Workers:
         waiting, tries = sorted(tasks, key=lambda task: -task.cost), Counter[str]()
         deadline = float("inf")
         with interrupts() as asked:
+
+            def report(task: Task, *content: Any) -> None:
+                if not asked:  # workers that are asked to stop have nothing to report
+                    (task.progress or progress)(*content)
+
+            def remark(text: str) -> None:
+                if not asked:
+                    note(text)
+
             try:
                 while (waiting and not asked) or self._busy:
                     if asked and deadline == float("inf"):
@@ -134,9 +143,7 @@ class Workers:
                         self._hand_out(waiting)
                     for worker in self._ready():
                         try:
-                            self._hear(
-                                worker, waiting, tries, done, *((_silent, _silent) if asked else (progress, note))
-                            )
+                            self._hear(worker, waiting, tries, done, report, remark)
                         except KeyboardInterrupt:
                             asked.append(0)
             finally:
@@ -164,7 +171,7 @@ class Workers:
 
     def _hear(
         self, worker: _Worker, waiting: list[Task], tries: Counter[str], done: Callable[[Task, Any], object],
-        progress: Progress, note: Callable[[str], object],
+        report: Callable[..., object], note: Callable[[str], object],
     ) -> None:  # fmt: skip
         """Take what a worker has sent."""
         task = worker.task
@@ -182,8 +189,7 @@ class Workers:
                 done(task, WorkerDied(f"{task.name}: {why}, {_TRIES} times"))
             return
         if kind == _REPORT:
-            if progress is not _silent or note is not _silent:
-                (task.progress or progress)(*content)
+            report(task, *content)
             return
         worker.task = None
         if kind != _STOPPED:

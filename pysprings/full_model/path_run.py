@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 # A vertical path has come to its limit load where an increment fails and dV/dw is less than this share of that at rest.
 # Beyond, contact under the lid opens and closes from step to step, and V changes by 1 % at the most.
 FLAT = 0.01
+_STILL = 1.0e-12  # m: a motion of rounding
 
 
 class PathRun:
@@ -100,7 +101,7 @@ class PathRun:
         stages = self._path_stages(rest)
         kind = PATH_KINDS[self.path.kind]
         if kind.drives == "w":
-            self.driver.at_limit = lambda: self._vertical_slope() < FLAT
+            self.driver.failed = self._end_where_flat
         if kind.limited:
             self.reach = DisplacementLimit.of(self.work.scene, rest)
             self.driver.refusal = self.reach.refusal
@@ -145,25 +146,23 @@ class PathRun:
         """Stop a path that leads to failure where the caisson leaves."""
         border = self.state.committed.border
         if self.reach is not None and self.reach.share(border) > 1.0:
-            raise _MovedTooFar(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
+            raise _Ended(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
 
-    def _vertical_slope(self) -> float:
-        """Return dV/dw of the last increment over that of the initial state; 1 before the first one."""
-        if len(self.collector.rows) < 2:
-            return 1.0
+    def _end_where_flat(self) -> None:
+        """Stop a vertical path whose last increment has moved it and hardly changed V; in a rest nothing moves."""
         before, now = self.collector.rows[-2:]
-        slope = float(now["V"] - before["V"]) / float(now["w"] - before["w"])
-        return slope / (2.0 * float(self.work.stiffness[1, 1]))
+        moved, rest = float(now["w"] - before["w"]), 2.0 * float(self.work.stiffness[1, 1])
+        left = float(now["V"] - before["V"]) / (moved * rest) if abs(moved) > _STILL else 1.0
+        if left < FLAT:
+            detail = f"dV/dw has fallen to {100.0 * max(left, 0.0):.2g} % of that at rest"
+            raise _Ended(Diagnosis(StopReason.LIMIT_LOAD, detail))
 
     def _why(self, error: NotConverged) -> tuple[str, StopReason]:
         """Return why and where the path stopped, in one line that begins with the reason, and the reason."""
-        if isinstance(error, _MovedTooFar):
+        if isinstance(error, _Ended):
             return str(error.diagnosis), error.diagnosis.reason
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
-        if self.driver.at_limit is not None and self.driver.at_limit():
-            left = 100.0 * max(self._vertical_slope(), 0.0)
-            return f"{StopReason.LIMIT_LOAD}: dV/dw has fallen to {left:.2g} % of that at rest", StopReason.LIMIT_LOAD
         cause = diagnose(self.driver, self._forced(), self.work.stiffness)
         if self.stage < self.n_dead:
             cause = during_dead_load(cause, self.driver.position)
@@ -256,8 +255,8 @@ class PathRun:
             self.work.newton.restore(standing.factors)
 
 
-class _MovedTooFar(NotConverged):
-    """The caisson has moved beyond the limit under a given load."""
+class _Ended(NotConverged):
+    """The path is at its end: beyond the limit of motions under a given load, or where V does not change any more."""
 
     def __init__(self, diagnosis: Diagnosis) -> None:
         super().__init__(str(diagnosis))

@@ -143,3 +143,28 @@ def run(model: FourierModel, *stages, **settings) -> Run:
     for each in stages:
         out.driver.run(each, out.steps.append)
     return out
+
+
+# m of displacement, which opens stations (2e4 Pa over 1e8 N/m3 is 2e-4 m, less with stiffer ones) and shears the sand,
+# and of pressure in units of model.water.scale
+MOVE, PRESSURE = 4.0e-5, 2.0e-5
+
+
+def random_move(system: FourierSystem, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Return random increments of the free coefficients, and of the border."""
+    p, n = system.pattern, system.pattern.n_moving
+    free = np.concatenate([MOVE * rng.normal(size=n), PRESSURE * rng.normal(size=p.n_free - n)])
+    free[np.concatenate([p.held.ravel(), p.pressure_held.ravel()])] = 0.0
+    return free, 3.0 * MOVE * rng.normal(size=3)
+
+
+def moved(model: FourierModel, seed: int = 0, time: float = 0.0) -> tuple[FourierSystem, State, np.random.Generator]:
+    """Return system and state after a committed random move and a trial one, in steps of a time in s."""
+    system, state, rng = FourierSystem(model), State(model), np.random.default_rng(seed)
+    system.time_step = time
+    for commit in (True, False):
+        system.apply(state, *random_move(system, rng))
+        system.residual(state)
+        if commit:
+            state.commit()
+    return system, state, rng

@@ -172,4 +172,4 @@ def _run(clay: Clay, load: str, *stages: Stage) -> tuple[list[Step], int]:
         except NotConverged as error:
             at = steps[-1].fraction if steps else 0.0
             raise AssertionError(f"{load} of {clay} stopped at {at:.3f} of {stage.name}") from error
-    return steps, driver.n_cut_backs
+    return steps, len(driver.given_up)

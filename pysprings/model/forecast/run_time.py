@@ -88,43 +88,27 @@ def seconds(
 
     ``water``: pressures are among the unknowns; ``superlu``: SuperLU factorises bricks (None: as in the scene, here).
     """
-    wet = scene.drainage.mode != "drained" if water is None else water
+    paths, pictures = sum(path_seconds(scene, unknowns, water)), PICTURE_SECONDS[scene.output.pictures]
     if scene.discretisation == "fourier":
-        each = _SERIES_PER_UNKNOWN * unknowns**_SERIES_EXPONENT * (_SERIES_WATER if wet else 1.0)
         share = min(1.0, _ESTIMATED_PATHS / len(scene.load_paths))
-        lift_off = _SERIES_LIFT_OFF * unknowns**_SERIES_LIFT_OFF_EXPONENT
-        return (
-            PICTURE_SECONDS[scene.output.pictures]
-            + _SERIES_START
-            + (1.0 + _SERIES_ESTIMATE * share) * _of_paths(scene, each, lift_off)
-        )
-    each = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2
-    each *= (_WATER if wet else 1.0) * (_SYMMETRIC if symmetric else 1.0)
+        return pictures + _SERIES_START + (1.0 + _SERIES_ESTIMATE * share) * paths
     if uses_superlu(scene) if superlu is None else superlu:
-        each *= superlu_time(unknowns)
-    return PICTURE_SECONDS[scene.output.pictures] + _START + _of_paths(scene, each)
+        paths *= superlu_time(unknowns)
+    return pictures + _START + (_SYMMETRIC if symmetric else 1.0) * paths
 
 
-def _of_paths(scene: Scene, each: float, lift_off: float = _LIFT_OFF_TIME) -> float:
-    """Return the time of all paths, for that of an increment before lift-off (s) and the factor beyond it."""
-    return each * sum(_path_costs(scene, lift_off))
-
-
-def _path_costs(scene: Scene, lift_off: float) -> list[float]:
-    """Return the cost of each path, in increments before lift-off."""
-    lifted = [_lifted(scene, path) for path in scene.load_paths]
-    least = least_increments(scene)
-    return [n * (1.0 - share + lift_off * share) for n, share in zip(least, lifted, strict=True)]
-
-
-def path_seconds(scene: Scene, unknowns: int) -> list[float]:
-    """Return the likely time of each path, in s, by the law of `seconds`; their ratios decide the order of work."""
-    each, lift_off = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2, _LIFT_OFF_TIME
+def path_seconds(scene: Scene, unknowns: int, water: bool | None = None) -> list[float]:
+    """Return the likely time of each path of a run, in s, by the law of `seconds`; by Pardiso for bricks."""
+    each, lift_off, slower = _PER_UNKNOWN * unknowns + _PER_SQUARE * unknowns**2, _LIFT_OFF_TIME, _WATER
     if scene.discretisation == "fourier":
-        each = _SERIES_PER_UNKNOWN * unknowns**_SERIES_EXPONENT
+        each, slower = _SERIES_PER_UNKNOWN * unknowns**_SERIES_EXPONENT, _SERIES_WATER
         lift_off = _SERIES_LIFT_OFF * unknowns**_SERIES_LIFT_OFF_EXPONENT
-    each *= _WATER if scene.drainage.mode != "drained" else 1.0
-    return [each * cost for cost in _path_costs(scene, lift_off)]
+    wet = scene.drainage.mode != "drained" if water is None else water
+    each *= slower if wet else 1.0
+    lifted = [_lifted(scene, path) for path in scene.load_paths]
+    return [
+        each * n * (1.0 - share + lift_off * share) for n, share in zip(least_increments(scene), lifted, strict=True)
+    ]
 
 
 def _lifted(scene: Scene, path: Path) -> float:

@@ -7,7 +7,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pandas as pd
 from pydantic import ValidationError
@@ -20,9 +20,6 @@ from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.studies.stability.cases import CASES, REACH, Case
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"
 OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)

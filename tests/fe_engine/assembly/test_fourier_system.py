@@ -19,28 +19,10 @@ from fe_engine.soil.law import Point
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.stage import Balance
 from fe_engine.state import State
-from tests.support.fourier_models import disc, on_plate, run, start
+from tests.support.fourier_models import disc, moved, on_plate, random_move, run, start
 from tests.support.models import replace, stage, taylor_slope
 
-MOVE = 4.0e-5  # m: opens stations (2e4 Pa over 1e8 N/m3 is 2e-4 m, less with stiffer ones) and shears the sand
 SOFT = (1.0e8, 5.0e7, 0.02)
-
-
-def random_move(system, rng, size=MOVE):
-    free = size * rng.normal(size=system.pattern.n_free)
-    free[system.pattern.held.ravel()] = 0.0
-    return free, 3.0 * size * rng.normal(size=3)
-
-
-def moved(model, seed=0):
-    """System and state after a committed random move and a trial one."""
-    system, state, rng = FourierSystem(model), State(model), np.random.default_rng(seed)
-    for commit in (True, False):
-        system.apply(state, *random_move(system, rng))
-        system.residual(state)
-        if commit:
-            state.commit()
-    return system, state, rng
 
 
 def coefficients(model):

@@ -15,32 +15,12 @@ from fe_engine.soil import elastic
 from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.stage import Balance
 from fe_engine.state import State, initial_fields
-from tests.support.fourier_models import disc, on_plate, run, section, start, wet
+from tests.support.fourier_models import disc, moved, on_plate, random_move, run, section, start, wet
 from tests.support.models import replace, stage
 
-MOVE, PRESSURE = 4.0e-5, 2.0e-5  # m of displacement, and of pressure in units of model.water.scale
 SOFT = (1.0e8, 5.0e7, 0.02)
 FREE = np.zeros((0, 3)), np.zeros((3, 0)), np.zeros(0)
 TIME = 3.0  # s
-
-
-def random_move(system, rng):
-    n = system.pattern.n_moving
-    free = np.concatenate([MOVE * rng.normal(size=n), PRESSURE * rng.normal(size=system.pattern.n_free - n)])
-    free[np.concatenate([system.pattern.held.ravel(), system.pattern.pressure_held.ravel()])] = 0.0
-    return free, 3.0 * MOVE * rng.normal(size=3)
-
-
-def moved(model, seed=0):
-    """System and state after a committed random move and a trial one."""
-    system, state, rng = FourierSystem(model), State(model), np.random.default_rng(seed)
-    system.time_step = TIME
-    for commit in (True, False):
-        system.apply(state, *random_move(system, rng))
-        system.residual(state)
-        if commit:
-            state.commit()
-    return system, state, rng
 
 
 def together(residual):
@@ -52,7 +32,7 @@ def together(residual):
 def test_a_step_is_newtons(seed, body, law):
     """Along the step s of a free border the residual falls as (1 - h) R + O(h2): solver and tangent, in one."""
     soil = {"law": elastic.LAW} if law == "elastic" else {}
-    system, state, rng = moved(wet(body(disc(2, contact=SOFT, skew=True, pressure=4.0e3, **soil))), seed)
+    system, state, rng = moved(wet(body(disc(2, contact=SOFT, skew=True, pressure=4.0e3, **soil))), seed, TIME)
     at = random_move(system, rng)
     system.apply(state, *at)
     assert np.all(system.gaps(state.trial) > 0.0) == (seed == 1)

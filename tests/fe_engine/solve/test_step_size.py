@@ -31,23 +31,14 @@ def test_it_follows_the_iterations(iterations, expected):
     assert (largest.size, largest.limit) == (0.01, "largest step")
 
 
-def test_a_failure_halves_it_and_holds_it_there():
-    size = StepSize(0.02, "growth").after_failure(0.02, again=False)
+@pytest.mark.parametrize(("iterations", "held"), [(5, 9), (2, 3)])
+def test_a_failure_halves_it_and_holds_it_there_shorter_where_newton_needs_next_to_nothing(iterations, held):
+    size, sizes = StepSize(0.02, "growth").after_failure(0.02, again=False), []
     assert (size.size, size.limit) == (0.01, "cut-back")
-    sizes = []
-    for _ in range(10):
+    for _ in range(held + 1):
         sizes.append(size.size)
-        size = size.after_success(size.size, 5, 1.0)
-    assert sizes == pytest.approx([0.01] * 9 + [0.015])
-
-
-def test_it_is_held_shorter_where_newton_needs_next_to_nothing():
-    size = StepSize(0.02, "growth").after_failure(0.02, again=False)
-    sizes = []
-    for _ in range(4):
-        sizes.append(size.size)
-        size = size.after_success(size.size, 2, 1.0)
-    assert sizes == pytest.approx([0.01] * 3 + [0.015])
+        size = size.after_success(size.size, iterations, 1.0)
+    assert sizes == pytest.approx([0.01] * held + [0.015])
 
 
 def test_a_long_increment_shrinks_it_while_it_waits_too():

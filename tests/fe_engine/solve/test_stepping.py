@@ -123,22 +123,40 @@ def hurried():
 
 def test_cut_back_gets_there_in_smaller_steps(hurried):
     driver = hurried.driver
-    assert driver.n_cut_backs > 0
-    assert sum(step.cut_backs for step in hurried.steps) == driver.n_cut_backs
+    assert len(driver.given_up) > 0
+    assert sum(step.cut_backs for step in hurried.steps) == len(driver.given_up)
     assert [step.fraction for step in hurried.steps][-2:] == [0.9, 1.0] or 0.9 in [s.fraction for s in hurried.steps]
     assert hurried.state.committed.border[2] == pytest.approx(-5.0e-4, rel=1e-12)
 
 
+def test_what_a_failed_attempt_raises_ends_a_stage_but_not_before_its_first_increment():
+    """Before it attempts fail for other reasons than what the stage has come to; after it none converges here."""
+    out, called = start(footing(), max_iterations=4), []
+
+    def failed():
+        called.append(len(out.steps))
+        raise NotConverged("flat")
+
+    def on_step(step):
+        out.steps.append(step)
+        newton.settings = replace(newton.settings, max_iterations=0)
+
+    newton, out.driver.failed = out.driver.newton, failed
+    with pytest.raises(NotConverged, match="flat"):
+        out.driver.run(stage({0: 0.0, 2: -5.0e-4}, first_fraction=1.0, max_fraction=1.0), on_step)
+    assert called == [1] and out.steps[0].cut_backs > 0
+
+
 def test_cut_back_ends_near_the_patient_answer(hurried):
     patient = run(footing(), stage({0: 0.0, 2: -5.0e-4}, first_fraction=0.02, max_fraction=0.05))
-    assert patient.driver.n_cut_backs == 0
+    assert len(patient.driver.given_up) == 0
     np.testing.assert_allclose(hurried.steps[-1].multipliers, patient.steps[-1].multipliers, rtol=0.05)
 
 
 def test_record_tells_failed_attempts_from_good_ones(hurried):
     record = hurried.driver.record
     failed = [row for row in record if not row["converged"]]
-    assert len({(row["step"], row["load_fraction"]) for row in failed}) == hurried.driver.n_cut_backs
+    assert len({(row["step"], row["load_fraction"]) for row in failed}) == len(hurried.driver.given_up)
     for number, step in enumerate(hurried.steps, start=1):
         rows = [row for row in record if row["step"] == number and row["converged"]]
         assert [row["iteration"] for row in rows] == list(range(step.increment.iterations + 1))
@@ -152,7 +170,7 @@ def test_an_impossible_stage_gives_up_with_the_last_history():
     with pytest.raises(NotConverged, match="no convergence in 0 iterations") as caught:
         out.driver.run(stage({0: 1.0e-3}, first_fraction=0.1), out.steps.append)
     assert (out.driver.n_steps, out.steps) == (0, [])
-    assert out.driver.n_cut_backs == len(out.driver.record) == 20
+    assert len(out.driver.given_up) == len(out.driver.record) == 20
     assert caught.value.history[-1].items() <= out.driver.record[-1].items()
 
 
@@ -192,7 +210,7 @@ def test_load_beyond_the_capacity_ends_in_not_converged():
         out.driver.run(stage({}, force=(1.3 * CAPACITY, 0.0, 0.0)), out.steps.append)
     assert out.steps[-1].fraction * 1.3 == pytest.approx(1.0, rel=1e-3)
     assert caught.value.history
-    assert out.driver.n_cut_backs < 60
+    assert len(out.driver.given_up) < 60
     reached = out.steps[-1].increment.residual.border[0]
     assert reached == pytest.approx(1.3 * CAPACITY * out.steps[-1].fraction, rel=1e-5)
 

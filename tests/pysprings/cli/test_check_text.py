@@ -6,8 +6,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from pysprings import Scene
 from pysprings.scene.template import template_text
 from tests.support import stored, tiny
@@ -57,8 +55,7 @@ def printed(text: str, folder: Path) -> list[str]:
     return [line for line in lines if not line.startswith(("sha256", "warning: the run needs about"))]
 
 
-def test_all_that_is_printed_of_scenes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_all_that_is_printed_of_scenes(tmp_path: Path) -> None:
     lines = []
     for name, sections in SCENES.items():
         scene: Scene = tiny.scene(**sections)

@@ -17,16 +17,6 @@ from tests.support import synthetic
 from tests.support.commands import command
 
 
-@pytest.fixture(autouse=True)
-def _in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
-@pytest.fixture
-def springs_file() -> Path:
-    return save_springs(synthetic.make_springs(), Path("results/springs.nc"))
-
-
 def states(*args: object) -> list[dict[str, float]]:
     """States that a prediction prints as JSON."""
     with warnings.catch_warnings():

@@ -46,8 +46,7 @@ QUESTIONS = (
 
 
 @pytest.fixture
-def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def _files(tmp_path: Path) -> None:
     one: xr.DataTree = synthetic.make_springs(
         (synthetic.Path("pull", steps=8), synthetic.Path("high", arm=8.0, steps=8))
     )

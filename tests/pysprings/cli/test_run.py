@@ -22,11 +22,6 @@ from tests.support.commands import Result, command
 from tests.support.files import contents, read_record
 
 
-@pytest.fixture(autouse=True)
-def _in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.fixture
 def scene_file() -> Path:
     return tiny.write(tiny.scene(), Path("caisson.toml"))

@@ -16,11 +16,6 @@ from tests.support import tiny
 from tests.support.commands import command
 
 
-@pytest.fixture(autouse=True)
-def _in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 def test_init_writes_scene_and_schema() -> None:
     done = command("init")
     assert (done.code, done.out) == (0, "caisson.toml\npysprings.schema.json\n")

@@ -12,18 +12,8 @@ from pysprings.core.files.storage import write_tree
 from pysprings.macro.comparison import compare
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
-from tests.support import synthetic, tiny
+from tests.support import tiny
 from tests.support.commands import command
-
-
-@pytest.fixture(autouse=True)
-def _in_a_new_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
-@pytest.fixture
-def springs_file() -> Path:
-    return save_springs(synthetic.make_springs(), Path("results/springs.nc"))
 
 
 def test_springs_to_stdout(springs_file: Path) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -15,7 +16,7 @@ import psutil
 import pytest
 
 from pysprings.core.progress import Progress
-from pysprings.core.workers import Task, WorkerDied, Workers, cores
+from pysprings.core.workers import Task, WorkerDied, Workers, cores, run_tasks
 from tests.support.commands import environment
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals are different there")
@@ -98,6 +99,26 @@ def test_a_worker_that_dies_costs_its_own_task_one_attempt(tmp_path: Path) -> No
     found, notes = answers([Task("dies", die, (tmp_path / "mark", True)), Task("1", twice, (1,))])
     assert isinstance(found["dies"], WorkerDied) and found["1"] == 2.0 and len(notes) == 1
     assert str(found["dies"]) == "dies: a worker process was ended by SIGKILL (memory?), 2 times"
+
+
+def test_a_worker_that_dies_idle_costs_no_attempt() -> None:
+    notes: list[str] = []
+    with Workers(2) as workers:
+        for _ in range(2):
+            tasks = [Task(str(k), twice, (k,)) for k in range(2)]
+            workers.run(tasks, lambda *_: None, lambda *_: None, notes.append)
+            for process in multiprocessing.active_children():
+                process.kill()
+                process.join()
+    assert notes == []
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_task_reports_to_its_own_progress(jobs: int) -> None:
+    heard: list[float] = []
+    tasks = [Task(name, wait_for_the_end, (0.3,), progress=lambda *each: heard.append(each[1])) for name in "ab"]
+    run_tasks(tasks, jobs, lambda *_: None)
+    assert heard and max(heard) > 0.0
 
 
 def ask(*_: object) -> None:

@@ -29,6 +29,9 @@ SAND = {
 }  # fmt: skip
 BONDED = {"adhesion_factor": 1.0, "opening": "bonded"}
 MESHES = ["hex8", "fourier"]
+OVER_CLAY = {
+    "layers": [SAND, {"top": 2.0, "undrained_shear_strength": 30e3}], "undrained_shear_strength": 20e3, "surcharge": 5e3
+}  # fmt: skip
 
 
 def clay(discretisation: str = "fourier", soil: dict | None = None, **sections: Any) -> Scene:
@@ -121,13 +124,8 @@ def test_contact_follows_the_layers_and_surfaces(discretisation):
 
 @pytest.mark.parametrize("discretisation", MESHES)
 def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
-    layers = [
-        SAND,
-        {"top": 2.0, "undrained_shear_strength": 30e3},
-    ]
-    soil = {"layers": layers, "undrained_shear_strength": 20e3, "surcharge": 5e3}
     pull = {**tiny.PULL, "lateral_displacement": 5e-3}
-    result = compute(clay(discretisation, soil, interface={"adhesion_factor": 0.5}, paths=(pull,))).recorded()
+    result = compute(clay(discretisation, OVER_CLAY, interface={"adhesion_factor": 0.5}, paths=(pull,))).recorded()
     assert result.attrs["status"] == "complete"
     assert result.attrs["drainage"] == "drained, total-stress"
     assert max(balance(extract_springs(result)["paths/pull"].to_dataset()).values()) < 1e-8
@@ -135,13 +133,9 @@ def test_a_pull_in_sand_over_clay_has_springs_that_balance(discretisation):
 
 @pytest.mark.parametrize("discretisation", MESHES)
 def test_water_of_sand_over_clay_stays_in_the_sand_and_in_balance(discretisation):
-    layers = [
-        SAND,
-        {"top": 2.0, "undrained_shear_strength": 30e3},
-    ]
-    soil = {"layers": layers, "undrained_shear_strength": 20e3, "surcharge": 5e3}
     pull = {**tiny.PULL, "lateral_displacement": 2e-3, "rate": 1e-4}
-    scene = clay(discretisation, soil, interface={"adhesion_factor": 0.5}, paths=(pull,), drainage={"mode": "coupled"})
+    glue = {"adhesion_factor": 0.5}
+    scene = clay(discretisation, OVER_CLAY, interface=glue, paths=(pull,), drainage={"mode": "coupled"})
     result = compute(scene).recorded()
     assert (result.attrs["status"], result.attrs["drainage"]) == ("complete", "coupled, total-stress")
     end = result["paths/pull"].to_dataset().isel(step=-1)

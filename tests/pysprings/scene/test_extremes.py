@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -170,6 +171,18 @@ def test_the_section_is_the_engines(angle: float, lode_angle: float) -> None:
     assert VAN_EEKELEN.section(np.radians(angle), lode_angle) == pytest.approx(found)
 
 
+def returns_to_the_surface(module: ModuleType, law: np.ndarray, rng: np.random.Generator) -> None:
+    """Status OK, finite, and next to no excess, after random steps."""
+    for _ in range(300):
+        old, strain = np.zeros(6), 1e-3 * rng.standard_normal(6)
+        old[:3] = -rng.uniform(1e4, 1e5)
+        stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
+        status, _ = module.update(law, strain, Point(old, np.zeros(1)), Point(stress, history), tangent, True)
+        assert status == OK and np.isfinite(stress).all() and np.isfinite(tangent).all()
+        trial = np.abs(200e6 * strain).max() + np.abs(old).max()
+        assert module.yield_function(law, stress, history[0]) < 2.0 * plasol.APEX_STIFFNESS * trial
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("phi", [30.0, 46.5])
 def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: float) -> None:
@@ -182,16 +195,7 @@ def test_van_eekelen_returns_to_its_surface_down_to_the_least_dilation(phi: floa
     assert tiny.sand(soil=given | {"dilation_angle": f"{least} deg"})
     law = plasol.pack(200e6, 0.4, np.radians(5.0), np.radians(phi), 0.005, np.radians(least), 0.0)
     rng = np.random.default_rng(1)
-    for _ in range(300):
-        strain, old = 1e-3 * rng.standard_normal(6), np.zeros(6)
-        old[:3] = -rng.uniform(1e4, 1e5)
-        stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-        status, _ = van_eekelen.update(law, strain, Point(old, np.zeros(1)), Point(stress, history), tangent, True)
-        assert status == OK
-        assert np.isfinite(stress).all()
-        assert np.isfinite(tangent).all()
-        trial = np.abs(200e6 * strain).max() + np.abs(old).max()
-        assert van_eekelen.yield_function(law, stress, history[0]) < 2.0 * plasol.APEX_STIFFNESS * trial
+    returns_to_the_surface(van_eekelen, law, rng)
     start = np.array([-5e4, -5e4, -5e4, 0.0, 0.0, 0.0])
     b_psi = lode.shape_of_slope(law[plasol.M_PSI])
     for _ in range(200):
@@ -210,17 +214,7 @@ def test_an_elastic_soil_has_no_use_for_its_dilation() -> None:
 def test_the_law_returns_to_its_surface_when_it_contracts(psi: float) -> None:
     """Why the range of the dilation angle goes below zero: status OK, no excess, no stress that is not finite."""
     law = plasol.pack(200e6, 0.2, np.radians(5.0), np.radians(30.0), 0.005, np.radians(psi), 0.0)
-    rng = np.random.default_rng(1)
-    for _ in range(300):
-        old, strain = np.zeros(6), 1e-3 * rng.standard_normal(6)
-        old[:3] = -rng.uniform(1e4, 1e5)
-        stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-        status, _ = plasol.update(law, strain, Point(old, np.zeros(1)), Point(stress, history), tangent, True)
-        assert status == OK
-        assert np.isfinite(stress).all()
-        assert np.isfinite(tangent).all()
-        trial = np.abs(200e6 * strain).max() + np.abs(old).max()
-        assert plasol.yield_function(law, stress, history[0]) < 2.0 * plasol.APEX_STIFFNESS * trial
+    returns_to_the_surface(plasol, law, np.random.default_rng(1))
 
 
 # --- small strains ---

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The catalogue of stiff and extreme cases: what is in it, how endings are told apart, and that none is unexplained."""
+"""The catalogue of stiff and extreme cases: what is in it, which endings there are, none unexplained."""
 
 from __future__ import annotations
 
@@ -141,10 +141,10 @@ def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> 
 
 @pytest.mark.slow
 def test_cases_in_worker_processes_are_the_same_in_the_same_order() -> None:
-    cases, told = stability.cases_named(["soft", "K0-3", "paper"]), []
+    cases, reported = stability.cases_named(["soft", "K0-3", "paper"]), []
     alone = stability.run_cases(cases, "coarse", 0.6, reach=2e-3)
-    both = stability.run_cases(cases, "coarse", 0.6, report=lambda row: told.append(row.case), reach=2e-3, jobs=2)
-    assert told == list(alone["case"]) and len(told) == 3
+    both = stability.run_cases(cases, "coarse", 0.6, report=lambda row: reported.append(row.case), reach=2e-3, jobs=2)
+    assert reported == list(alone["case"]) and len(reported) == 3
     less = ["wall_s", "worst_residual", "condition", "energy_imbalance"]  # bricks: MKL rounds by its threads
     for name in less[1:]:
         np.testing.assert_allclose(alone[name].astype(float), both[name].astype(float), rtol=1e-2, atol=1e-6)

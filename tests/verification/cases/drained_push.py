@@ -131,7 +131,7 @@ def _newton(run: Push) -> list[Row]:
     median = float(np.median([step.increment.iterations for step in run.steps]))
     return [
         Row.at_most(_CASE, "median iterations per increment", median, 5.0, "aim of the project"),
-        Row.at_most(_CASE, "cut-backs", run.driver.n_cut_backs, 0.0, "aim of the project"),
+        Row.at_most(_CASE, "cut-backs", len(run.driver.given_up), 0.0, "aim of the project"),
         Row.at_least(_CASE, "order of the last iterations, median", float(np.median(orders)), 1.3, _SUPERLINEAR),
     ]
 
@@ -140,7 +140,7 @@ def _one_increment() -> list[Row]:
     run = first_increment()
     case = "first increment, 0.25 mm in one step"
     return [
-        Row.error(case, "cut-backs", run.driver.n_cut_backs, "converges at default settings", 0.0),
+        Row.error(case, "cut-backs", len(run.driver.given_up), "converges at default settings", 0.0),
         Row.at_most(case, "iterations", run.steps[0].increment.iterations, 25.0, "a plain prototype"),
     ]
 
