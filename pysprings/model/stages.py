@@ -15,7 +15,7 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.model.build import extra_load as extra_load_of
 from pysprings.model.water import mudline_time
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soils import SOIL_LAWS
 
 if TYPE_CHECKING:
     from fe_engine.fourier_model import SectionMesh

@@ -25,7 +25,7 @@ from pysprings.scene.layers import (
 from pysprings.scene.positions import Clash, KeyPath
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Caisson, Path, Soil, Solver, Springs
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soils import SOIL_LAWS
 
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
 _MAY_BE_ZERO = ("arm_from", "load_angle")  # None where not given
@@ -115,8 +115,7 @@ def _ground(soil: Soil, domain: Extent, lacking: list[Clash]) -> Iterator[Clash]
         return
     seen = set()
     for uniform, vertical, number in uniform_soils(soil, domain):
-        law = SOIL_LAWS[uniform.yield_surface]
-        for clash in (*law.clashes(uniform), *law.initial(uniform, vertical)):
+        for clash in SOIL_LAWS[uniform.yield_surface].faults(uniform, vertical):
             named = in_layer(clash, soil, number)
             if (number, named.keys) not in seen:  # one of the two ends of a layer is enough
                 seen.add((number, named.keys))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,8 +24,8 @@ from pysprings.scene.fields import Number, Quantity
 from pysprings.scene.ground import Stratum, given_values, moved_layers
 from pysprings.scene.interface import adhesion_factor
 from pysprings.scene.scene_sections import SceneSections
-from pysprings.scene.sections import SoilValues
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.sections import SoilValues, plain_field
+from pysprings.scene.soils import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.scene_sections import SceneSections
@@ -75,14 +75,19 @@ def remarks(scene: SceneSections) -> list[str]:
 
 def row_of(key: str, value: Any, model: type[BaseModel], name: str) -> Row:
     """Return the row of a value in SI, or of a word, of the field ``name`` of a section."""
-    known = Quantity | Number | Profile
-    field = next((each for each in model.model_fields[name].metadata if isinstance(each, known)), None)
-    quantity = field.quantity if isinstance(field, Profile) else field
+    quantity = _plain(model, name)
     if not isinstance(value, int | float) or isinstance(value, bool):
         return {"key": key, "value": str(value), "unit": ""}
     unit = quantity.unit if quantity else "1"
     scale = 1.0 if unit == "1" else read(f"1 {unit}", si_of(unit))
     return {"key": key, "value": float(f"{value / scale:.10g}"), "unit": unit}
+
+
+def _plain(model: type[BaseModel], name: str) -> Quantity | Number | None:
+    """Return the quantity or number of a field, that of its constant value where it may vary with depth."""
+    known = Quantity | Number | Profile
+    field = next((each for each in model.model_fields[name].metadata if isinstance(each, known)), None)
+    return field.quantity if isinstance(field, Profile) else field
 
 
 def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:
@@ -204,27 +209,8 @@ RANGES = {
     "design.lateral_force": Range(0.1, 2000.0, "kPa", 1e3, "/D2"),
     "design.arm": Range(0.02, 20.0, "diameters", what="/D"),
 }
-# Of a layer, at depths inside it. G: peat to very dense sand at depth, short of rock; G/su: Eu/su of 200 to 1000
-# (Duncan & Buchignani 1976) is 65 to 350, small strains up to 2000; su/s'_v0: from normally consolidated clay
-# (Jamiolkowski et al. 1985: 0.23 +- 0.04) to stiff clay; su beyond 300 kPa is rock; phi: plastic silt to dense sand.
-OF_LAYER = {
-    "effective_unit_weight": Range(3.0, 14.0, "kN/m3", 1e3),
-    "K0": Range(0.25, 3.0),
-    "shear_modulus": Range(0.1, 1500.0, "MPa", 1e6),
-    "poisson_ratio": Range(0.05, 0.4999),
-    "friction_angle_final": Range(20.0, 46.0, "deg", _DEG),
-    "dilation_angle": Range(-10.0, 20.0, "deg", _DEG),
-    "hardening_parameter": Range(1e-5, 0.1),
-    "cohesion": Range(0.05, 100.0, "kPa", 1e3),
-    "hydraulic_conductivity": Range(1e-13, 0.1, "m/s"),
-    "degradation_strain": Range(3e-5, 2e-3),
-    "undrained_shear_strength": Range(0.5, 300.0, "kPa", 1e3),
-    "plasticity_index": Range(5.0, 130.0, "%"),
-    "strain_at_half_strength": Range(1e-3, 0.06),
-    "compression_factor": Range(0.7, 1.8),
-    "direct_shear_factor": Range(0.6, 1.4),
-    "extension_factor": Range(0.3, 1.2),
-}
+# G/su: Eu/su of 200 to 1000 (Duncan & Buchignani 1976) is 65 to 350, small strains up to 2000; su/s'_v0: from normally
+# consolidated clay (Jamiolkowski et al. 1985: 0.23 +- 0.04) to stiff clay
 _RIGIDITY = Range(20.0, 2000.0)
 _NORMALISED = Range(0.15, 10.0)
 _ALPHA = Range(0.2, 1.0)
@@ -288,15 +274,23 @@ def _beyond(value: float, common: Range) -> str:
 
 def _of_stratum(stratum: Stratum, mode: str) -> Iterator[str]:
     """Yield sentences on the values of a layer that its law uses."""
-    law, depth = SOIL_LAWS[stratum.law], _depths(stratum)
-    always = ("effective_unit_weight", "K0", "poisson_ratio")
-    for name, common in OF_LAYER.items():
-        if name == "shear_modulus":
-            yield from _worst(stratum, name, stratum.shear_modulus, depth, common)
-        elif name == "hydraulic_conductivity" and stratum.drainage_in(mode) != "coupled":
-            continue
-        elif stratum.values.get(name) is not None and (name in always or name in law.keys or name[0] == "h"):
-            yield from _worst(stratum, name, partial(stratum.value, name), depth, common)
+    depth, unused = _depths(stratum), {*SOIL_LAWS[stratum.law].unused}
+    unused |= set() if stratum.drainage_in(mode) == "coupled" else {"hydraulic_conductivity"}
+    for name in dict.fromkeys(["shear_modulus", *stratum.values]):
+        if (common := _common(name)) is not None and name not in unused:
+            of = stratum.shear_modulus if name == "shear_modulus" else partial(stratum.value, name)
+            yield from _worst(stratum, name, of, depth, common)
+
+
+@cache
+def _common(name: str) -> Range | None:
+    """Return the common range of a key of a layer."""
+    field = plain_field(name)
+    if field.common is None:
+        return None
+    unit = field.unit.removeprefix("1")
+    low, high = field.common
+    return Range(low, high, unit, read(f"1 {unit}", si_of(unit)) if unit else 1.0)
 
 
 def _of_clay(scene: SceneSections, stratum: Stratum) -> Iterator[str]:

@@ -86,6 +86,7 @@ class Quantity(Field):
     unit : the usual unit, in which `interval` is written and values are shown
     word : a text accepted in place of a quantity
     optional : None is a value too (from Python; TOML leaves the key out)
+    common : usual range of a layer's value in `unit`; `pysprings.scene.defaults` remarks on values beyond it
     """
 
     unit: str
@@ -94,6 +95,7 @@ class Quantity(Field):
     example: str
     word: str | None = None
     optional: bool = False
+    common: tuple[float, float] | None = None
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if (value is None and self.optional) or (self.word is not None and value == self.word):
@@ -137,13 +139,18 @@ class Quantity(Field):
 
 @dataclass(frozen=True)
 class Number(Field):
-    """A pure number; ``word`` is a text accepted in its place."""
+    """A pure number; ``word`` is a text accepted in its place, ``common`` its usual range in a layer.
+
+    ``constant``: it does not vary inside a layer.
+    """
 
     interval: str
     text: str
     example: float
     optional: bool = False
     word: str | None = None
+    common: tuple[float, float] | None = None
+    constant: bool = False
 
     @property
     def unit(self) -> str:

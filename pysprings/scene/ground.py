@@ -14,11 +14,11 @@ import numpy as np
 
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Value, follows_stress
-from pysprings.scene.clay_laws import KEY as REDUCTION
-from pysprings.scene.clay_laws import Pairs, factors_of, small_strain_modulus
 from pysprings.scene.extent import Extent
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
-from pysprings.scene.soil_laws import CLAY_KEYS, FRICTION_KEYS, SOIL_LAWS, STIFFNESSES
+from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
+from pysprings.scene.soils.clay import REDUCTION, Pairs, factors_of, small_strain_modulus
+from pysprings.scene.soils.law import SoilLaw
 
 _OF_ELASTIC = ("poisson_ratio", "K0", "effective_unit_weight", "hydraulic_conductivity")
 _MERGED = 1.0e-9  # m: depths closer than that are one
@@ -69,7 +69,7 @@ class Stratum:
 
     def strength(self, depth: np.ndarray) -> np.ndarray:
         """Return what an adhesion factor refers to (...,) in Pa: su of undrained clay, the cohesion of another soil."""
-        return self.value("undrained_shear_strength" if self.total_stress else "cohesion", depth)
+        return self.value(SOIL_LAWS[self.like or self.law].cap, depth)
 
     @property
     def total_stress(self) -> bool:
@@ -131,7 +131,7 @@ class Stratum:
                 names = ("compression", "direct_shear", "extension")
                 row |= {f"su_{name}_Pa": su * factor for name, factor in zip(names, factors, strict=True)}
         elif SOIL_LAWS[self.law].yields:
-            row["friction_angle_deg"] = math.degrees(value["friction_angle_final"])
+            row["friction_angle_deg"] = math.degrees(value[SOIL_LAWS[self.law].friction])
             row["cohesion_Pa"] = value["cohesion"]
         if self.stiffness_changes:
             row["stiffness_exponent"] = self.exponent
@@ -306,12 +306,12 @@ def values_of(soil: Soil, layer: Layer | None) -> dict[str, Value]:
         name: defaults.get(name) if value is None else value for name, value in given_values(soil, layer).items()
     }
     if values["K0"] == "auto":
-        values["K0"] = at_rest(values["friction_angle_final"])
+        values["K0"] = at_rest(values[law.friction]) if values.get(law.friction) is not None else 1.0
     if values["friction_angle_initial"] == "auto":
         values["friction_angle_initial"] = max(law.least_friction(each) for each in _ends(values["K0"]))
     own = {name: getattr(layer, name, None) for name in STIFFNESSES}
-    dropped = [each for each in STIFFNESSES if each != _stiffness(soil, own, law.total_stress)]
-    dropped += FRICTION_KEYS if law.total_stress else CLAY_KEYS
+    dropped = {each for each in STIFFNESSES if each != _stiffness(soil, own, law)}
+    dropped |= {*LAW_KEYS} - {*law.keys, *law.unused, *STIFFNESSES}
     return {name: value for name, value in values.items() if value is not None and name not in dropped}
 
 
@@ -330,9 +330,9 @@ def _ends(value: Value) -> tuple[float, ...]:
     return value.top, value.bottom
 
 
-def _stiffness(soil: Soil, own: dict[str, Any], clay: bool) -> str:
+def _stiffness(soil: Soil, own: dict[str, Any], law: SoilLaw) -> str:
     """Return the key that gives the stiffness: the layer's own, else that of the soil, Young's modulus last."""
-    known = STIFFNESSES if clay else STIFFNESSES[:2]
+    known = [name for name in STIFFNESSES if name in law.stiffnesses]
     for values in (own, {name: getattr(soil, name) for name in known[1:]}):
         for name in known:
             if values.get(name) is not None:

@@ -13,7 +13,7 @@ from pysprings.scene.layers import laws_of
 from pysprings.scene.positions import Clash
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Interface
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soils import SOIL_LAWS
 
 API = "api"
 _EXPONENTS = (-0.5, -0.25)  # of su/s'_v0 up to 1 and beyond

@@ -11,14 +11,13 @@ import numpy as np
 
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Profile, Value, follows_stress
-from pysprings.scene.clay_laws import ANISOTROPY_KEYS
-from pysprings.scene.clay_laws import KEY as REDUCTION
 from pysprings.scene.extent import Extent
-from pysprings.scene.fields import Interval, Number, Quantity
+from pysprings.scene.fields import Interval, Quantity
 from pysprings.scene.ground import Stratum, given_values, make_ground
 from pysprings.scene.positions import Clash, KeyPath
-from pysprings.scene.sections import Layer, Soil, SoilValues
-from pysprings.scene.soil_laws import CLAY_KEYS, DEGRADATION_KEYS, FRICTION_KEYS, SOIL_LAWS, STIFFNESSES
+from pysprings.scene.sections import Layer, Soil, plain_field
+from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES, owners
+from pysprings.scene.soils.clay import REDUCTION
 
 
 def laws_of(soil: Soil) -> list[str]:
@@ -35,32 +34,35 @@ def given_keys(table: Soil | Layer) -> set[str]:
 def key_clashes(soil: Soil) -> Iterator[Clash]:
     """Check that [soil] and every layer have the keys of their law, each value once."""
     laws = laws_of(soil)
-    kinds = {SOIL_LAWS[law].total_stress for law in laws}
-    if len(kinds) == 1:
-        yield from _foreign(("soil",), given_keys(soil), laws[0])
-    yield from _one_stiffness(("soil",), given_keys(soil))
-    yield from _changing(("soil",), soil, laws if not soil.layers else [], soil)
-    for number, layer in enumerate(soil.layers):
-        here: KeyPath = ("soil", "layer", number)
-        yield from _changing(here, layer, [laws[number]], soil)
-        yield from _foreign(here, given_keys(layer), laws[number])
-        yield from _one_stiffness(here, given_keys(layer))
-    if soil.layers:
-        for name in given_keys(soil):
-            if isinstance(getattr(soil, name), ByDepth):
-                yield Clash((("soil", name),), "a table by depth stands in a layer where there are layers")
+    for here, table, own in _tables(soil, laws):
+        given = given_keys(table)
+        yield from _foreign(here, given, own)
+        several = [name for name in STIFFNESSES if name in given]
+        if len(several) > 1:
+            yield Clash(tuple((*here, name) for name in reversed(several)), f"give one of {', '.join(several)}")
+        yield from _changing(here, table, own, soil)
+    for name in given_keys(soil) if soil.layers else ():
+        if isinstance(getattr(soil, name), ByDepth):
+            yield Clash((("soil", name),), "a table by depth stands in a layer where there are layers")
     yield from _without_strength(soil, laws)
     yield from _at_rest(soil, laws)
 
 
-def _foreign(here: KeyPath, given: set[str], law: str) -> Iterator[Clash]:
-    """Give the keys that the law does not use: friction of a clay in total stress, strength su of another law."""
-    clay = SOIL_LAWS[law].total_stress
-    for name in FRICTION_KEYS if clay else CLAY_KEYS:
-        if name in given:
-            clays = ", ".join(f'"{each.name}"' for each in SOIL_LAWS.values() if each.total_stress)
-            expected = "its strength is undrained_shear_strength" if clay else f"su is that of {clays}"
-            yield Clash(((*here, name),), f'is not used by law "{law}": {expected}')
+def _tables(soil: Soil, laws: list[str]) -> Iterator[tuple[KeyPath, Soil | Layer, list[str]]]:
+    """Give [soil] and each layer, with the laws that take their values from it."""
+    yield ("soil",), soil, laws
+    for number, layer in enumerate(soil.layers):
+        yield ("soil", "layer", number), layer, [laws[number]]
+
+
+def _foreign(here: KeyPath, given: set[str], laws: list[str]) -> Iterator[Clash]:
+    """Give the keys that none of the laws uses."""
+    taken = {key for law in laws for key in (*SOIL_LAWS[law].keys, *SOIL_LAWS[law].unused)}
+    for name in LAW_KEYS:
+        if name in given and name not in taken:
+            clay = SOIL_LAWS[laws[0]].total_stress and not name.startswith("shear")
+            expected = f"its strength is {SOIL_LAWS[laws[0]].cap}" if clay else f"it is that of {owners(name)}"
+            yield Clash(((*here, name),), f'is not used by law "{laws[0]}": {expected}')
 
 
 def _at_rest(soil: Soil, laws: list[str]) -> Iterator[Clash]:
@@ -72,37 +74,27 @@ def _at_rest(soil: Soil, laws: list[str]) -> Iterator[Clash]:
             continue
         here: KeyPath = ("soil",) if own is None else ("soil", "layer", number)
         name = f"layer '{layer.name}': " if layer else ""
-        angle = getattr(layer, "friction_angle_final", None)
-        if "friction_angle_final" not in SOIL_LAWS[law].keys:
+        friction = SOIL_LAWS[law].friction
+        angle = getattr(layer, friction, None) if friction else None
+        if not friction:
             text = f'"auto" is 1 - sin(phi), and law "{law}" has no friction angle: give a number'
             yield Clash(((*here, "K0"),), name + text)
         elif isinstance(angle, ByDepth):
             text = '"auto" is 1 - sin(phi) of a layer with one friction angle: give a number, or divide the layer'
-            yield Clash(((*here, "K0"), ("soil", "layer", number, "friction_angle_final")), name + text)
+            yield Clash(((*here, "K0"), ("soil", "layer", number, friction)), name + text)
 
 
 def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -> Iterator[Clash]:
-    """Check that a stiffness that changes in a run belongs to a law with friction, and what belongs to another key."""
+    """Check that a stiffness that follows the stress belongs to a law that has it, and what belongs to another key."""
     constant = [law for law in laws if not SOIL_LAWS[law].changes_stiffness]
+    own = len(laws) == 1 or table is not soil
     for name in ("young_modulus", "shear_modulus"):
-        if constant and follows_stress(getattr(table, name, None)):
+        if constant and own and follows_stress(getattr(table, name, None)):
             text = f'follows: the stiffness of law "{constant[0]}" does not change'
             yield Clash(((*here, name),), f'{text}; "drucker-prager" and "van-eekelen" follow')
-    other = [law for law in constant if not SOIL_LAWS[law].total_stress]
-    if other and "degradation_strain" in given_keys(table):
-        yield Clash(((*here, "degradation_strain"),), f'is not used by law "{other[0]}"')
-    strains = getattr(table, "degradation_strain", None), soil.degradation_strain
-    if "degradation_limit" in given_keys(table) and strains == (None, None):
-        yield Clash(((*here, "degradation_limit"),), "needs a degradation_strain")
-    indices = getattr(table, "plasticity_index", None), soil.plasticity_index
-    if "overconsolidation_ratio" in given_keys(table) and indices == (None, None):
-        yield Clash(((*here, "overconsolidation_ratio"),), "needs a plasticity_index")
-
-
-def _one_stiffness(here: KeyPath, given: set[str]) -> Iterator[Clash]:
-    several = [name for name in STIFFNESSES if name in given]
-    if len(several) > 1:
-        yield Clash(tuple((*here, name) for name in reversed(several)), f"give one of {', '.join(several)}")
+    for name, needed in (("degradation_limit", "degradation_strain"), ("overconsolidation_ratio", "plasticity_index")):
+        if name in given_keys(table) and (getattr(table, needed, None), getattr(soil, needed)) == (None, None):
+            yield Clash(((*here, name),), f"needs a {needed}")
 
 
 def _without_strength(soil: Soil, laws: list[str]) -> Iterator[Clash]:
@@ -125,13 +117,15 @@ def missing(soil: Soil, mode: str) -> Iterator[Clash]:
         layer, law = soil.layers[number] if soil.layers else None, SOIL_LAWS[name]
         given = given_values(soil, layer)
         flows = not law.total_stress and (getattr(layer, "drainage", None) or mode) == "coupled"
-        needed = {_stiffnesses(name)[0]: _stiffnesses(name), **{key: (key,) for key in law.needs}}
+        needed = {law.stiffnesses[0]: law.stiffnesses} if law.stiffnesses else {}
+        needed |= {key: (key,) for key in law.needs}
         needed |= {"hydraulic_conductivity": ("hydraulic_conductivity",)} if flows else {}
         for key, instead in needed.items():
             if all(given[each] is None for each in instead):
                 lacking.setdefault((key, name), []).append(number)
     for (key, law_name), numbers in lacking.items():
-        keys = _stiffnesses(law_name) if key in _stiffnesses(law_name) else (key,)
+        keys = SOIL_LAWS[law_name].stiffnesses
+        keys = keys if key in keys else (key,)
         tables = [*(_here(soil, number) for number in numbers), ("soil",)] if soil.layers else [("soil",)]
         places = [(*table, each) for table in tables for each in keys]
         there: list[KeyPath] = [(*tables[0], "law"), ("soil", "yield_surface"), ("soil", "layer")]
@@ -140,12 +134,7 @@ def missing(soil: Soil, mode: str) -> Iterator[Clash]:
         yield Clash((*places, *there), f"missing{where}; {_reason(law_name, key, keys[1:])}; such as {_example(key)}")
 
 
-def _stiffnesses(law: str) -> tuple[str, ...]:
-    return _OF_CLAY if SOIL_LAWS[law].total_stress else STIFFNESSES[:2]
-
-
 _MOST_NAMED = 8
-_OF_CLAY = ("rigidity_ratio", "shear_modulus", "young_modulus", "plasticity_index")
 
 
 def _reason(law: str, key: str, others: tuple[str, ...]) -> str:
@@ -157,22 +146,20 @@ def _reason(law: str, key: str, others: tuple[str, ...]) -> str:
 
 def _example(key: str) -> str:
     """Return an example of a key of the ground as a scene has it."""
-    field = next(
-        each for each in SoilValues.model_fields[key].metadata if isinstance(each, Quantity | Number | Profile)
-    )
-    quantity = field.quantity if isinstance(field, Profile) else field
-    return f'{key} = "{quantity.example}"' if isinstance(quantity, Quantity) else f"{key} = {quantity.example:g}"
+    example = plain_field(key).example
+    return f'{key} = "{example}"' if isinstance(example, str) else f"{key} = {example:g}"
 
 
-_STAND_INS = {
-    "young_modulus": 1e8, "friction_angle_final": 0.5, "effective_unit_weight": 1e4, "K0": 1.0,
-    "undrained_shear_strength": 1e4, "hydraulic_conductivity": 1e-4,
-}  # fmt: skip
+def _read(field: Any) -> float:
+    """Return the example of a field in SI."""
+    return float(field.number(field.example, bare=False) if isinstance(field, Quantity) else field.example)
 
 
 def with_stand_ins(soil: Soil) -> Soil:
-    """Return a soil in which something stands where values are missing, so that the rest of it can be checked."""
-    return soil.model_copy(update={key: value for key, value in _STAND_INS.items() if getattr(soil, key) is None})
+    """Return a soil in which examples stand where values are missing, so that the rest of it can be checked."""
+    keys = {"young_modulus", "hydraulic_conductivity", *(key for law in SOIL_LAWS.values() for key in law.needs)}
+    lacking = {key: plain_field(key) for key in keys if getattr(soil, key) is None}
+    return soil.model_copy(update={key: _read(each) for key, each in lacking.items()})
 
 
 _STATIONS = 33  # depths of a layer where its values are checked
@@ -227,8 +214,7 @@ def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Any, tuple[float
 def _at(stratum: Stratum, depth: float) -> dict[str, Any]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
     values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
-    optional = "strain_at_half_strength", "overconsolidation_ratio", *ANISOTROPY_KEYS, *DEGRADATION_KEYS
-    return {**dict.fromkeys(optional), **values, REDUCTION: stratum.reduction}
+    return {**dict.fromkeys(LAW_KEYS), **values, REDUCTION: stratum.reduction}
 
 
 def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:

@@ -37,7 +37,7 @@ from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
 from pysprings.scene.profile_points import SAME, between
 from pysprings.scene.sections import BY_LAYER, Layer
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soils import SOIL_LAWS
 
 Array = NDArray[np.float64]
 

@@ -18,9 +18,9 @@ from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.path_kinds import PATH_KINDS, ROLES
 from pysprings.core.words import AUTO, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
-from pysprings.scene.clay_laws import ANISOTROPY_KEYS, Reduction
-from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
-from pysprings.scene.soil_laws import DEGRADATION_KEYS, SOIL_LAWS
+from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text
+from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
+from pysprings.scene.soils.clay import REDUCTION
 from pysprings.scene.then import Then, ThenList
 
 # pydantic annotations of the fields, short enough to be read as a table
@@ -53,34 +53,15 @@ _AT_REST = (
     "friction, 1 where others do not give it"
 )
 _E = Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa", optional=True)
-_NU = Number("[0, 0.5)", "Poisson ratio; 0.3 where not given, 0.495 of undrained clay", 0.3, optional=True)
-_FIRST_YIELD = 'friction angle at first yield; "auto" (default) is the least that holds the initial stress'
-_PHI_FIRST = Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto", optional=True)
-_PHI = Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg", optional=True)
-_HARDENS = Number("[1e-9, 10]", "equivalent plastic strain at half of the hardening; 0.005 where not given", 0.005,
-                  optional=True)  # fmt: skip
-_PSI = Quantity("deg", "[-30, 60]", "dilation angle; 0 where not given", "5 deg", optional=True)
-_COHESION = Quantity("kPa", "[0, 1e5]", "cohesion; 0 where not given", "5 kPa", optional=True)
-_WEIGHT = Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10 kN/m^3", optional=True)
+_NU = Number("[0, 0.5)", "Poisson ratio; 0.3 where not given, 0.495 of undrained clay", 0.3, optional=True,
+             common=(0.05, 0.4999))  # fmt: skip
+_WEIGHT = Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10 kN/m^3", optional=True,
+                   common=(3.0, 14.0))  # fmt: skip
 _CONDUCTS = Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; used and needed where drainage is coupled",
-                     "1e-4 m/s", optional=True)  # fmt: skip
-_SU = Quantity(
-    "kPa", "[0, 1e5]", "undrained shear strength: any test for tresca, plane strain or DSS for von-mises", "5 kPa",
-    optional=True,
-)  # fmt: skip
-_G = Quantity("MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", optional=True)
-_RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0, optional=True)
-_PLASTICITY = Number("[0, 160]", "plasticity index in %; gives small-strain G of clay, with overconsolidation_ratio",
-                     40.0, optional=True)  # fmt: skip
-_OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5, optional=True)
-_HALF = Number("[1e-6, 0.5]", "engineering shear strain at su/2 (1.5 eps50 of a triaxial test)", 0.01, optional=True)
-_DEGRADES = Number("[1e-6, 0.1]", "shear strain gamma_0.7 at which sand has 72.2 % of its initial secant shear modulus",
-                   2e-4, optional=True)  # fmt: skip
-_DEGRADED = Number("[0.01, 1]", "share of the initial stiffness left at large strains (0.2 where not given)", 0.2,
-                   optional=True)  # fmt: skip
-_COMPRESSED = Number("[0.1, 5]", "su in plane strain compression over undrained_shear_strength", 1.3, optional=True)
-_SHEARED = Number("[0.1, 5]", "su in direct simple shear over undrained_shear_strength", 1.0, optional=True)
-_EXTENDED = Number("[0.1, 5]", "su in plane strain extension over undrained_shear_strength", 0.7, optional=True)
+                     "1e-4 m/s", optional=True, common=(1e-13, 0.1))  # fmt: skip
+_G = Quantity(
+    "MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", optional=True, common=(0.1, 1500.0)
+)  # fmt: skip; G: peat to very dense sand at depth, short of rock
 _ADHESION = BySurface(
     Number("[0, 1]", "largest shear over su (or over the cohesion)", 0.65), ("api",),
     "largest shear of the interface over su of the soil beside it",
@@ -161,38 +142,37 @@ class Domain(Section):
     ] = "sealed"
 
 
-class SoilValues(Section):
+class SoilState(Section):
     """A frictional soil that hardens, or undrained clay, and its initial state.
 
     A value that is None is not given: `pysprings.scene.ground.values_of` puts the default of the law in its place, and
     a scene without stiffness, strength, unit weight, K0 of a frictional soil, or conductivity where water flows is
-    refused.
+    refused. The keys of the laws stand in `pysprings.scene.soils`.
     """
 
     young_modulus: Annotated[float | None, _E] = None
     poisson_ratio: Annotated[float | None, _NU] = None
     yield_surface: Annotated[str, Choice(tuple(SOIL_LAWS), "shape of the yield surface")] = "drucker-prager"
-    friction_angle_initial: Annotated[float | str | None, _PHI_FIRST] = None
-    friction_angle_final: Annotated[float | None, _PHI] = None
-    hardening_parameter: Annotated[float | None, _HARDENS] = None
-    dilation_angle: Annotated[float | None, _PSI] = None
-    cohesion: Annotated[float | None, _COHESION] = None
     effective_unit_weight: Annotated[float | None, _WEIGHT] = None
     surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10 kPa")] = 0.0
-    K0: Annotated[float | str | None, Number("[0.01, 10]", _AT_REST, 0.5, optional=True, word="auto")] = None
+    K0: Annotated[
+        float | str | None, Number("[0.01, 10]", _AT_REST, 0.5, optional=True, word="auto", common=(0.25, 3.0))
+    ] = None
     hydraulic_conductivity: Annotated[float | None, _CONDUCTS] = None
     shear_modulus: Annotated[float | ByDepth | None, Profile(_G, powers=True)] = None
-    undrained_shear_strength: Annotated[float | ByDepth | None, Profile(_SU)] = None
-    rigidity_ratio: Annotated[float | ByDepth | None, Profile(_RIGIDITY)] = None
-    plasticity_index: Annotated[float | ByDepth | None, Profile(_PLASTICITY)] = None
-    overconsolidation_ratio: Annotated[float | ByDepth | None, Profile(_OCR)] = None
-    strain_at_half_strength: Annotated[float | ByDepth | None, Profile(_HALF)] = None
-    shear_modulus_reduction: Reduction = None
-    compression_factor: Annotated[float | None, _COMPRESSED] = None
-    direct_shear_factor: Annotated[float | None, _SHEARED] = None
-    extension_factor: Annotated[float | None, _EXTENDED] = None
-    degradation_strain: Annotated[float | None, _DEGRADES] = None
-    degradation_limit: Annotated[float | None, _DEGRADED] = None
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+
+_OF_LAWS: dict[str, Any] = {name: (Annotated[Any, field], None) for name, field in LAW_KEYS.items()}
+if TYPE_CHECKING:
+
+    class SoilValues(SoilState): ...
+else:
+    SoilValues = create_model(
+        "SoilValues", __base__=SoilState, __module__=__name__, __doc__=SoilState.__doc__, **_OF_LAWS
+    )
 
 
 class LayerPlace(Section):
@@ -206,24 +186,32 @@ class LayerPlace(Section):
     drainage: Annotated[str | None, _DRAINED] = None
 
 
-_NOT_BY_LAYER = ("yield_surface", "surcharge", "shear_modulus_reduction")
+_NOT_BY_LAYER = ("yield_surface", "surcharge")
 _BY_STRESS = ("young_modulus",)
+
+
+def field_of(name: str) -> Field:
+    """Return the field of a value of the soil."""
+    found: Field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Field))
+    return found
+
+
+def plain_field(name: str) -> Any:
+    """Return the quantity or number of a value of the soil, that of its constant value where it varies with depth."""
+    field = field_of(name)
+    return field.quantity if isinstance(field, Profile) else field
 
 
 def _layer_field(name: str) -> Any:
     """Return the optional field of a layer for a value of the soil."""
-    known = Quantity | Number | Profile
-    field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, known))
-    if isinstance(field, Profile):
-        return Annotated[float | ByDepth | None, field], None
-    if name in (*ANISOTROPY_KEYS, *DEGRADATION_KEYS):
-        return Annotated[float | None, replace(field, optional=True)], None
-    return Annotated[float | str | ByDepth | None, Profile(replace(field, optional=True), name in _BY_STRESS)], None
+    field = field_of(name)
+    if not isinstance(field, Quantity | Number) or getattr(field, "constant", False):
+        return Annotated[Any, field], None
+    return Annotated[Any, Profile(replace(field, optional=True), name in _BY_STRESS)], None
 
 
-BY_LAYER = tuple(name for name in SoilValues.model_fields if name not in _NOT_BY_LAYER)
-_VALUES: dict[str, Any] = {name: _layer_field(name) for name in BY_LAYER}
-_VALUES["shear_modulus_reduction"] = (Reduction, None)
+_VALUES = {name: _layer_field(name) for name in SoilValues.model_fields if name not in _NOT_BY_LAYER}
+BY_LAYER = tuple(name for name in _VALUES if name != REDUCTION)  # the numbers of a layer
 if TYPE_CHECKING:
     Layer = LayerPlace
 else:

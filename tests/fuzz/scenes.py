@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from pysprings.core import units
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.scene.by_depth import SURFACES, BySurface, Profile
-from pysprings.scene.clay_laws import ReductionTable
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
+from pysprings.scene.soils.clay import ReductionTable
 from pysprings.scene.template import template_text
 from pysprings.scene.toml import field_of
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops

@@ -17,7 +17,7 @@ from pysprings.scene.changes import read_changes
 from pysprings.scene.extent import PAPER
 from pysprings.scene.load import SceneText
 from pysprings.scene.sections import BY_LAYER, PAPER_SOIL, Soil
-from pysprings.scene.soil_laws import SOIL_LAWS, STIFFNESSES
+from pysprings.scene.soils import SOIL_LAWS, STIFFNESSES
 from pysprings.scene.toml import _pairs
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 0.5e-3}

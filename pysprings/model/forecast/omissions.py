@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 from fe_engine.linear.backends import available_backends
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
-from pysprings.model.soil_laws import ENGINE_LAWS, engine_laws
+from pysprings.model.soil_laws import engine_laws
 from pysprings.scene.interface import uses_adhesion
 from pysprings.scene.sections import Soil
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soils import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -175,7 +175,7 @@ def _soil(scene: Scene) -> list[Omission]:
     if any(SOIL_LAWS[each.law].yields for each in scene.ground.strata):
         return []
     default = SOIL_LAWS[Soil().yield_surface]  # what would be there instead
-    variables = len(ENGINE_LAWS[default.name].law.history)
+    variables = len(default.engine(scene.ground.strata[0]).history)
     history = _COPIES_OF_HISTORY * 8 * 8 * variables * size_of(scene).elements
     strength = ", ".join(default.keys)
     what = f"plastic strain and its history (soil: {strength})"

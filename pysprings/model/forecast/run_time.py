@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fe_engine.linear.backends import available_backends
 from fe_engine.solve.stepping import fewest_increments
 from pysprings.model.stages import imposed_motion, path_stages
-from pysprings.scene.soil_laws import SOIL_LAWS
+from pysprings.scene.soils import SOIL_LAWS
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Path, Scene

@@ -34,7 +34,7 @@ class Case:
     @property
     def _clay(self) -> bool:
         """Whether all its ground is undrained clay, which shares weight and surcharge alone with the paper's sand."""
-        from pysprings.scene.soil_laws import SOIL_LAWS
+        from pysprings.scene.soils import SOIL_LAWS
 
         soil = self.changes.get("soil", {})
         usual = soil.get("yield_surface", "drucker-prager")

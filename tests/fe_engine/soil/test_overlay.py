@@ -12,7 +12,7 @@ from fe_engine.conventions import OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import iwan_clay, iwan_sand, overlay, von_mises
 from fe_engine.soil.elastic import elastic_matrix, moduli
 from fe_engine.soil.law import Point
-from pysprings.scene.clay_laws import MOST_POINTS
+from pysprings.scene.soils.clay import MOST_POINTS
 from tests.support.models import taylor_slope
 
 YOUNG, POISSON, SU = 1.2e7, 0.49, 2.0e4

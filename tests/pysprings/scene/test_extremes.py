@@ -16,7 +16,7 @@ from fe_engine.soil.law import Point
 from pysprings.core.errors import UserInputError
 from pysprings.model.build import build_model
 from pysprings.model.stages import path_stages, scene_warnings
-from pysprings.scene.soil_laws import MOST_CONTRACTION, VAN_EEKELEN
+from pysprings.scene.soils.friction import MOST_CONTRACTION, VAN_EEKELEN
 from tests.support import tiny
 
 PULL = {"name": "a", "kind": "pull", "lateral_displacement": "20 mm"}

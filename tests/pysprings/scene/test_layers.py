@@ -266,7 +266,7 @@ def test_a_K0_that_the_final_friction_does_not_hold_is_refused_with_the_angle_th
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('"11 kN/m^3"', '"21 kN/m^3"', "layer 'dense': effective_unit_weight at 2.22 m: 21 kN/m3 is outside"),
+        ('"11 kN/m^3"', '"21 kN/m^3"', "layer 'dense': effective_unit_weight at 2.22 m: 21 kN/m^3 is outside"),
         (
             'bottom = "32 deg"',
             'bottom = "55 deg"',
