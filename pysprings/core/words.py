@@ -16,6 +16,8 @@ Discretisation = Literal["hex8", "fourier"]
 TargetError = Literal["5%", "2%", "1%", "0.5%"]
 Figures = Literal["none", "report", "all"]  # pictures of a run: none, those that its report shows, all
 FigureFormat = Literal["png", "svg", "png,svg"]
+Estimate = Literal["low", "best", "high"]  # which end of the ranges of a scene counts
+ESTIMATES: tuple[Estimate, ...] = ("low", "best", "high")
 
 RANGE_END = "end of the range"  # kind of the largest known load of an answer that is no capacity: more is not known
 

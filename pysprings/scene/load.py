@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.units import quoted
 from pysprings.scene.changes import OPTION, Change, applied, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design
@@ -23,6 +24,7 @@ from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 from pysprings.scene.profile_table import key_of, read_layers
+from pysprings.scene.ranges import estimates_of, incomplete, picked
 from pysprings.scene.sections import (
     Caisson,
     Domain,
@@ -123,15 +125,26 @@ class SceneText:
         changed = applied(data, changes)
         if not data:
             _refuse(self.file, "the file is empty; `pysprings init` writes a commented scene")
-        try:
-            scene = Scene.model_validate(data, context=FROM_TOML, by_alias=True, by_name=False)
-        except ValidationError as error:
-            faults = _faults_of_values(error) if self._in_table else _all_faults(data, error)
-            problems = [_problem(fault, self._places, self.file, changed) for fault in faults]
+        estimates = estimates_of(data)
+        faults = {Fault((keys,), message): "" for keys, message in incomplete(data)}
+        scenes = []
+        for estimate in estimates:
+            try:
+                values = picked(data, estimate)
+                scenes.append(Scene.model_validate(values, context=FROM_TOML, by_alias=True, by_name=False))
+            except ValidationError as error:
+                found = _faults_of_values(error) if self._in_table else _all_faults(values, error)
+                faults |= {fault: estimate for fault in found if fault not in faults}
+        if faults:
+            problems = [
+                _problem(fault, self._places, self.file, changed, "" if estimate in ("", estimates[0]) else estimate)
+                for fault, estimate in faults.items()
+            ]
             problems = sorted(problems, key=lambda each: (each.line or 0, each.col or 0))
-            raise UserInputError([*problems, *self._in_table]) from None
+            raise UserInputError([*problems, *self._in_table])
         if self._in_table:
             raise UserInputError(self._in_table)
+        scene = scenes[0]
         # a scene of a profile is written with its layers: it needs no other file then
         if not self._profile and not changed:
             scene._source = (self.text, scene.sha256)
@@ -336,11 +349,17 @@ def _without_layer_key(soil: dict[str, Any], path: KeyPath) -> None:
         soil["layer"][path[2]].pop(path[3], None)
 
 
-def _problem(fault: Fault, places: dict[KeyPath, Place], file: str | None, changed: Sequence[KeyPath] = ()) -> Problem:
-    """Give a fault its place: that of the first of its keys that stands in the file, or the option that changed it."""
+def _problem(
+    fault: Fault, places: dict[KeyPath, Place], file: str | None, changed: Sequence[KeyPath] = (), estimate: str = ""
+) -> Problem:
+    """Give a fault its place: that of the first of its keys that stands in the file, or the option that changed it.
+
+    ``estimate`` is the one of a range that has the fault, where it is not that of the scene.
+    """
+    message = f"{fault.message} (estimate {quoted(estimate)})" if estimate else fault.message
     if any(fault.paths[0][: len(keys)] == keys for keys in changed):
-        return Problem(OPTION, key=dotted(fault.paths[0]), message=fault.message)
+        return Problem(OPTION, key=dotted(fault.paths[0]), message=message)
     there = next((path for path in fault.paths if path in places), fault.paths[0])
     place = nearest(places, there)
     line, col = place.key if fault.at_key else place.value
-    return Problem(file, line, col, dotted(fault.paths[0]), fault.message)
+    return Problem(file, line, col, dotted(fault.paths[0]), message)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.tables import Table, TableNote
+from pysprings.scene.ranges import is_range
 
 Array = NDArray[np.float64]
 
@@ -33,12 +34,11 @@ def between(table: Table, points: list[dict[str, Any]], depth: Array) -> tuple[l
                 where = k + 1 if name in above else k
                 table.fault(where, name, "blank, and not at the next point: write two points at a layer boundary")
             elif name not in ("name", "law"):
-                same = above[name] == below[name]
-                layer[name] = above[name] if same else {"top": above[name], "bottom": below[name]}
+                layer[name] = _line(above[name], below[name])
         if layers and spans[-1][1] == depth[k] and _is_straight(layers[-1], layer, spans[-1], float(depth[k + 1])):
-            for name, value in layer.items():
-                if isinstance(value, dict):
-                    layers[-1][name]["bottom"] = value["bottom"]
+            for one, other in zip(_values(layers[-1]).values(), _values(layer).values(), strict=True):
+                if isinstance(other, dict):
+                    one["bottom"] = other["bottom"]
             spans[-1] = (spans[-1][0], float(depth[k + 1]))
         else:
             layers.append(layer)
@@ -50,27 +50,41 @@ def between(table: Table, points: list[dict[str, Any]], depth: Array) -> tuple[l
     if spans[0][0] > 0.0:
         what = f"{table.place}: the values of the first point, at {spans[0][0]:g} m, hold up to mudline"
         warnings.warn(what, TableNote, stacklevel=2)
-        first = {name: value["top"] if isinstance(value, dict) else value for name, value in layers[0].items()}
+        first = {name: points[0].get(name, value) for name, value in layers[0].items()}
         layers.insert(0, first)
         spans.insert(0, (0.0, spans[0][0]))
     return layers, tuple(np.array(spans).T)
 
 
-def _is_straight(above: dict[str, Any], below: dict[str, Any], span: tuple[float, float], end: float) -> bool:
+def _line(above: Any, below: Any) -> Any:
+    """Return what is linear between two values, or between those of each estimate of a range."""
+    if is_range(above) and is_range(below):
+        return {each: _line(above.get(each), below.get(each)) for each in above}
+    return above if above == below else {"top": above, "bottom": below}
+
+
+def _values(layer: dict[str, Any]) -> dict[tuple[str, str], Any]:
+    """Return the values of a layer by key and estimate, which is blank where there is no range."""
+    ranges = {name: value if is_range(value) else {"": value} for name, value in layer.items()}
+    return {(name, estimate): value for name, inner in ranges.items() for estimate, value in inner.items()}
+
+
+def _is_straight(one: dict[str, Any], other: dict[str, Any], span: tuple[float, float], end: float) -> bool:
     """Return whether a layer goes on in the line of the one above it."""
+    above, below = _values(one), _values(other)
     if above.keys() != below.keys():
         return False
     for name, value in above.items():
-        other = below[name]
-        if isinstance(value, dict) != isinstance(other, dict):
+        next_value = below[name]
+        if isinstance(value, dict) != isinstance(next_value, dict):
             return False
         if not isinstance(value, dict):
-            if value != other:
+            if value != next_value:
                 return False
             continue
-        top, middle, bottom = (_size(each) for each in (value["top"], value["bottom"], other["bottom"]))
+        top, middle, bottom = (_size(each) for each in (value["top"], value["bottom"], next_value["bottom"]))
         line = top + (bottom - top) * (span[1] - span[0]) / (end - span[0])
-        if _size(other["top"]) != middle or abs(line - middle) > _STRAIGHT * max(abs(top), abs(bottom)):
+        if _size(next_value["top"]) != middle or abs(line - middle) > _STRAIGHT * max(abs(top), abs(bottom)):
             return False
     return True
 

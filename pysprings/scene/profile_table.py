@@ -4,7 +4,8 @@
 Headings are `NAME [unit]`, or `NAME from [unit]` and `NAME to [unit]` for values that are linear in the layer, as in
 groundhog's soil profiles: `Depth from [m]`, `Depth to [m]`, `Soil type`, parameters. `top [m]` and `bottom [m]` stand
 for the depths, too; `law` chooses the law of a layer. A NAME is a key of [soil], with spaces or underscores, or one of
-`NAMES`. A cell "[5, 25]" holds the values at top and bottom.
+`NAMES`. A cell "[5, 25]" holds the values at top and bottom. A value with a range has the columns `NAME low [unit]`,
+`NAME best [unit]` and `NAME high [unit]`, or `NAME low from [unit]`, `NAME low to [unit]` and so on.
 
 With `depth [m]` in place of the ends of layers a row is a point, and values are linear between points. Two points at
 one depth are a layer boundary; points on a straight line make one layer.
@@ -33,9 +34,11 @@ from pysprings.core.tables import Column, Table, one_table, split
 from pysprings.core.tables.cells import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import show, si_of
+from pysprings.core.words import ESTIMATES
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
 from pysprings.scene.profile_points import SAME, between
+from pysprings.scene.ranges import is_range, picked
 from pysprings.scene.sections import BY_LAYER, Layer
 from pysprings.scene.soils import SOIL_LAWS
 
@@ -88,7 +91,11 @@ _KINDS = {
 }
 _STIFF = ("young_modulus", "shear_modulus", "rigidity_ratio")
 _STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion")
+# of the name of a column: key, estimate, end
+_PARTS = re.compile(rf"(.+?)(?: ({'|'.join(ESTIMATES)}))?(?: (from|to))?")
 _PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
+# behind the key in the names of columns
+_COLUMN_PARTS = ("from", "to", *(f"{each}{end}" for each in ESTIMATES for end in ("", " from", " to")))
 MOST_LAYERS = 100
 
 
@@ -107,7 +114,7 @@ def field_of(key: str) -> Quantity | Number:
 
 @cache
 def columns() -> tuple[Column, ...]:
-    """Return the columns of a table of layers; a value has those of its ends, too."""
+    """Return the columns of a table of layers; a value has those of its ends, and of its range, too."""
     out = [Column(key, TEXT, NAMES[key]) for key in ("name", "law")]
     for key in dict.fromkeys([*NAMES, *BY_LAYER]):
         if key in ("name", "law"):
@@ -117,9 +124,9 @@ def columns() -> tuple[Column, ...]:
         unit, example = unit or si_of(field.unit), "" if isinstance(field, Number) else field.unit
         out.append(Column(key, unit, names, example, "", percent))
         if key not in ("top", "bottom", "depth", VELOCITY):
-            for end in ("from", "to"):
-                others = tuple(f"{name} {end}" for name in names)
-                out.append(Column(f"{key} {end}", unit, others, example, "", percent))
+            for part in _COLUMN_PARTS:
+                others = tuple(f"{name} {part}" for name in names)
+                out.append(Column(f"{key} {part}", unit, others, example, "", percent))
     for why, names in _SKIPPED.items():
         out += [Column(name, ANY, (f"{name} from", f"{name} to"), skipped=why) for name in names]
     return tuple(out)
@@ -167,8 +174,9 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     table.faults.stop()
     if np.isfinite(ends[1][-1]):
         for value in layers[-1].values():
-            if isinstance(value, dict):
-                value["to"] = show(float(ends[1][-1]), "m")
+            for each in value.values() if is_range(value) else (value,):
+                if isinstance(each, dict):
+                    each["to"] = show(float(ends[1][-1]), "m")
     return layers
 
 
@@ -225,23 +233,41 @@ def _split_pairs(table: Table) -> None:
 
 def _check_columns(table: Table, soil: Mapping[str, Any]) -> None:
     """Note missing and repeated columns, and a table whose rows give neither stiffness nor strength."""
-    keys = {name.removesuffix(" from").removesuffix(" to") for name in table.columns}
+    parts = {name: _parts(name) for name in table.columns}
+    keys = {key for key, _, _ in parts.values()}
     if not keys & {"top", "depth"}:
         table.fault(None, None, 'no column "Depth from [m]" (or "top [m]", or "depth [m]" of points)')
     if {"top", "depth"} <= keys:
         table.fault(None, "depth", "stands beside the ends of layers: keep one of them")
     for key in keys - {"top", "bottom", "depth"}:
-        if key in table and f"{key} from" in table:
-            table.fault(None, f"{key} from", f"another column gives {key}, too")
-        ends = (f"{key} from", f"{key} to")
-        for end, other in (ends, ends[::-1]):
-            if end in table and other not in table and key not in table:
-                table.fault(None, end, f"needs a column '{other}' beside it")
+        given = {estimate for other, estimate, _ in parts.values() if other == key}
+        for estimate in sorted(given):
+            _check_ends(table, f"{key} {estimate}".rstrip())
+        if any(given) and given != set(ESTIMATES):
+            missing = [each for each in ESTIMATES if each not in given]
+            what = f"needs a column '{key} {missing[0]}' beside it" if missing else "another column gives it, too"
+            table.fault(None, next(name for name in parts if parts[name][0] == key), what)
     if VELOCITY in keys and TOTAL not in keys:
         table.fault(None, VELOCITY, "needs the total unit weight beside it: G = rho Vs^2")
     given = keys | set(soil) | {"shear_modulus" if VELOCITY in keys else ""}
     if not table.faults.problems and not given & {*_STIFF, *_STRONG, "law"}:
         table.fault(None, None, "no column gives stiffness or strength: names and unit weights alone are no ground")
+
+
+def _parts(name: str) -> tuple[str, str, str]:
+    """Return key, estimate and end of a column; blank for none."""
+    key, estimate, end = _PARTS.fullmatch(name).groups()  # type: ignore[union-attr]
+    return str(key), estimate or "", end or ""
+
+
+def _check_ends(table: Table, stem: str) -> None:
+    """Note an end of a value without the other, and ends beside one value for the whole layer."""
+    if stem in table and f"{stem} from" in table:
+        table.fault(None, f"{stem} from", f"another column gives {stem}, too")
+    ends = (f"{stem} from", f"{stem} to")
+    for end, other in (ends, ends[::-1]):
+        if end in table and other not in table and stem not in table:
+            table.fault(None, end, f"needs a column '{other}' beside it")
 
 
 def _ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
@@ -262,21 +288,24 @@ def _layer(table: Table, values: dict[str, Array], k: int) -> dict[str, Any]:
     """Return the values of a row, without its depths."""
     layer: dict[str, Any] = {each: text for each in ("name", "law") if (text := table.texts(each)[k])}
     row = {name: float(column[k]) for name, column in values.items() if np.isfinite(column[k])}
-    for name in row:
-        key = name.removesuffix(" from").removesuffix(" to")
-        if key in layer or key in ("top", "bottom", "depth", VELOCITY):
+    for key, estimate in dict.fromkeys(_parts(name)[:2] for name in row):
+        if key in ("top", "bottom", "depth", VELOCITY):
             continue
         if key == TOTAL and any(each.startswith("effective_unit_weight") for each in row):
             continue
-        first, last = row.get(key, row.get(f"{key} from")), row.get(f"{key} to")
-        if first is None or (last is None and key not in row):
-            missing = f"{key} from" if first is None else f"{key} to"
-            if is_blank(table.cells(missing)[k]):
-                table.fault(k, missing, "blank beside the value at the other end of the layer")
-            continue
+        value = _value(table, row, k, key, estimate)
         target = {TOTAL: "effective_unit_weight", EPS50: "strain_at_half_strength"}.get(key, key)
-        value = _text(key, first)
-        layer[target] = value if last is None else {"top": value, "bottom": _text(key, last)}
+        if value is not None and estimate:
+            three = layer.setdefault(target, {})
+            if is_range(three) or not three:
+                three[estimate] = value
+        elif value is not None:
+            layer.setdefault(target, value)
+    for key, value in layer.items():
+        for missing in set(ESTIMATES) - set(value) if is_range(value) else ():
+            table.fault(
+                k, _name_of(table, key, missing), "a value of the range is blank: fill in low, best and high, or none"
+            )
     if VELOCITY in row and not {"shear_modulus", "young_modulus"} & set(layer):
         if TOTAL in row:
             stiffness = row[TOTAL] / WATER * 1000.0 * row[VELOCITY] ** 2
@@ -284,6 +313,19 @@ def _layer(table: Table, values: dict[str, Array], k: int) -> dict[str, Any]:
         else:
             table.fault(k, VELOCITY, "needs the total unit weight beside it: G = rho Vs^2")
     return layer
+
+
+def _value(table: Table, row: Mapping[str, float], k: int, key: str, estimate: str) -> Any:
+    """Return a value of row k as the scene file would hold it; None where one end of it is blank, which is noted."""
+    stem = f"{key} {estimate}".rstrip()
+    first, last = row.get(stem, row.get(f"{stem} from")), row.get(f"{stem} to")
+    if first is None or (last is None and stem not in row):
+        missing = f"{stem} from" if first is None else f"{stem} to"
+        if is_blank(table.cells(missing)[k]):
+            table.fault(k, missing, "blank beside the value at the other end of the layer")
+        return None
+    value = _text(key, first)
+    return value if last is None else {"top": value, "bottom": _text(key, last)}
 
 
 def _text(key: str, value: float) -> float | str:
@@ -303,22 +345,24 @@ def _is_clay(layer: dict[str, Any], law: object) -> bool:
 
 
 def _check_layer(table: Table, layer: dict[str, Any], k: int) -> None:
-    """Note what the scene refuses of a layer."""
-    try:
-        Layer.model_validate(layer, context=FROM_TOML)
-    except ValidationError as error:
-        for item in error.errors(include_url=False):
-            key = str(item["loc"][0])
-            message = item.get("ctx", {}).get("message", "missing" if item["type"] == "missing" else item["msg"])
-            table.fault(min(k, len(table) - 1), _name_of(table, key), message)
+    """Note what the scene refuses of a layer, with each estimate of its ranges."""
+    for estimate in ESTIMATES if any(map(is_range, layer.values())) else ESTIMATES[1:2]:
+        try:
+            Layer.model_validate(picked(layer, estimate), context=FROM_TOML)
+        except ValidationError as error:
+            for item in error.errors(include_url=False):
+                key = str(item["loc"][0])
+                message = item.get("ctx", {}).get("message", "missing" if item["type"] == "missing" else item["msg"])
+                name = _name_of(table, key, estimate if is_range(layer.get(key)) else "")
+                table.fault(min(k, len(table) - 1), name, message)
 
 
-def _name_of(table: Table, key: str) -> str:
-    """Return the column that gives a key of a layer."""
+def _name_of(table: Table, key: str, estimate: str = "") -> str:
+    """Return the column that gives a key of a layer, or an estimate of it."""
     others = {"effective_unit_weight": TOTAL, "strain_at_half_strength": EPS50, "shear_modulus": VELOCITY,
               "top": "depth"}  # fmt: skip
-    names = [name for each in (key, others.get(key, key)) for name in (each, f"{each} from", f"{each} to")]
-    return next((name for name in names if name in table), key)
+    own = [name for name in table.columns if _parts(name)[0] in (key, others.get(key, key))]
+    return next((name for name in own if _parts(name)[1] == estimate), own[0] if own else key)
 
 
 def _check_joints(table: Table, tops: Array, bottoms: Array) -> None:

@@ -54,6 +54,17 @@ def _table(model: type[Section]) -> dict[str, Any]:
     return {**table, "required": required} if required else table
 
 
+def _with_ranges(schema: dict[str, Any]) -> dict[str, Any]:
+    """Return the schema with a range in place of each value of the soil, too."""
+    from pysprings.scene.ranges import in_schema
+    from pysprings.scene.sections import BY_LAYER
+
+    soil = schema["properties"]["soil"]["properties"]
+    for table in (soil, soil["layer"]["items"]["properties"]):
+        table |= {key: in_schema(each) for key, each in table.items() if key in BY_LAYER}
+    return schema
+
+
 FOLDER = Path(__file__).parent / "templates"
 
 
@@ -92,9 +103,8 @@ def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:
             stream.write(text)
         if schema.exists() and not force:
             return [file]
-        schema.write_text(
-            json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n", encoding="utf-8", newline="\n"
-        )
+        text = json.dumps(_with_ranges(scene_schema()), indent=2, ensure_ascii=False)
+        schema.write_text(f"{text}\n", encoding="utf-8", newline="\n")
     except OSError as error:
         message = f"cannot be written ({error.strerror})"
         raise UserInputError([Problem(str(error.filename or file), message=message)]) from None

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from pysprings.core.magnitudes import unit_of_column
 from pysprings.core.units import MEANING, QuantityError, quoted, unit_of
+from pysprings.core.words import ESTIMATES
 
 GRAVITY = 9.80665  # m/s2
 TEXT, ANY = "", "*"  # unit of a column of words, of one whose unit does not matter
@@ -132,7 +133,9 @@ class Headings:
         if near:
             return f" (did you mean '{known[near[0]].shown}'?)"
         known_as = [
-            each.shown for each in self.columns if not each.skipped and not each.stem.endswith((" from", " to"))
+            each.shown
+            for each in self.columns
+            if not each.skipped and not each.stem.endswith((" from", " to", *(f" {word}" for word in ESTIMATES)))
         ]
         return f"; known are {', '.join(known_as)}"
 

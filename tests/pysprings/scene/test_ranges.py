@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""Values with low, best and high: the estimate picks one of them in scenes and tables; wrong ranges are refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.template import scene_schema
+
+SCENE = """\
+[soil]
+K0 = 0.5
+effective_unit_weight = "9 kN/m^3"
+friction_angle_final = { low = "33 deg", best = "36 deg", high = "39 deg" }
+young_modulus = "80 MPa"
+[[path]]
+name = "pull"
+kind = "pull"
+lateral_displacement = "1 mm"
+"""
+LAYER = """\
+[[soil.layer]]
+top = "0 m"
+shear_modulus = { low = { top = "20 MPa", bottom = "30 MPa", to = "10 m" }, best = "40 MPa", high = "60 MPa" }
+"""
+
+
+@pytest.mark.parametrize(("estimate", "phi"), [(None, 36.0), ("low", 33.0), ("best", 36.0), ("high", 39.0)])
+def test_the_estimate_picks_the_value_of_a_range(estimate: str | None, phi: float) -> None:
+    changes = [] if estimate is None else [f'soil.estimate="{estimate}"']
+    scene = parse_scene(SCENE, changes=changes)
+    assert np.degrees(scene.soil.friction_angle_final) == pytest.approx(phi)
+    assert parse_scene(scene.source_text) == scene
+    assert parse_scene(scene.to_toml()) == scene
+
+
+def test_scenes_of_two_estimates_have_different_sums() -> None:
+    sums = {parse_scene(SCENE, changes=[f'soil.estimate="{each}"']).sha256 for each in ("low", "best", "high")}
+    assert len(sums) == 3
+    plain = SCENE.replace('{ low = "33 deg", best = "36 deg", high = "39 deg" }', '"36 deg"')
+    assert parse_scene(SCENE).sha256 == parse_scene(plain).sha256
+
+
+def test_a_range_may_hold_values_by_depth() -> None:
+    text = SCENE.replace('young_modulus = "80 MPa"\n', "").replace("[[path]]", f"{LAYER}[[path]]")
+    at = np.array([5.0])
+    assert parse_scene(text, changes=['soil.estimate="low"']).ground.value("shear_modulus", at) == pytest.approx(25e6)
+    assert parse_scene(text).ground.value("shear_modulus", at) == pytest.approx(40e6)
+
+
+def test_all_three_values_of_a_range_are_checked() -> None:
+    with pytest.raises(UserInputError) as error:
+        parse_scene(SCENE.replace('"39 deg"', '"390 deg"').replace('low = "33 deg"', 'low = "33 kPa"'), "a.toml")
+    text = str(error.value)
+    assert "a.toml:4:24: soil.friction_angle_final" in text
+    assert '(estimate "low")' in text and '(estimate "high")' in text
+
+
+def test_a_range_without_one_of_the_three_is_refused_with_its_place() -> None:
+    with pytest.raises(UserInputError, match=r"a\.toml:4:24: soil\.friction_angle_final: .*got low, best"):
+        parse_scene(SCENE.replace(', high = "39 deg"', ""), "a.toml")
+
+
+def test_an_unknown_estimate_is_refused() -> None:
+    with pytest.raises(UserInputError, match=r'soil\.estimate: "lowest" is not one of'):
+        parse_scene(SCENE.replace("[soil]", '[soil]\nestimate = "lowest"'), "a.toml")
+
+
+TABLE = """\
+Depth from [m],Depth to [m],Soil type,Effective unit weight [kN/m3],phi low [deg],phi best [deg],phi high [deg],\
+G low from [MPa],G low to [MPa],G best from [MPa],G best to [MPa],G high [MPa]
+0,4,Sand,9,32,35,38,10,20,20,40,60
+4,20,Sand,10,34,37,40,30,60,40,80,90
+"""
+
+
+def _with_table(folder, table: str):
+    (folder / "site.csv").write_text(table)
+    file = folder / "scene.toml"
+    lines = SCENE.splitlines()
+    file.write_text("\n".join([lines[0], lines[1], 'profile = "site.csv"', *lines[5:]]) + "\n")
+    return file
+
+
+@pytest.mark.parametrize(("estimate", "phi", "G"), [("low", 32, 15e6), ("best", 35, 30e6), ("high", 38, 60e6)])
+def test_a_table_has_columns_of_a_range(tmp_path, estimate: str, phi: float, G: float) -> None:
+    scene = load_scene(_with_table(tmp_path, TABLE), [f'soil.estimate="{estimate}"'])
+    assert np.degrees(scene.ground.value("friction_angle_final", np.array([2.0]))) == pytest.approx(phi)
+    assert scene.ground.value("shear_modulus", np.array([2.0])) == pytest.approx(G)
+
+
+def test_points_by_depth_may_have_ranges(tmp_path) -> None:
+    table = "depth [m],Effective unit weight [kN/m3],phi [deg],G low [MPa],G best [MPa],G high [MPa]\n"
+    scene = load_scene(_with_table(tmp_path, table + "0,9,35,10,20,30\n5,9,35,20,30,60\n10,9,35,30,40,90\n"))
+    assert len(scene.soil.layers) == 1
+    assert scene.ground.value("shear_modulus", np.array([7.5])) == pytest.approx(35e6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (",phi high [deg]", "", "needs a column 'friction_angle_final high' beside it"),
+        ("phi low [deg]", "phi [deg]", "needs a column 'friction_angle_final low' beside it"),
+        ("G low to [MPa]", "G low [MPa]", "another column gives shear_modulus low, too"),
+        ("0,4,Sand,9,32,35", "0,4,Sand,9,,35", "site.csv:2: phi low [deg]: a value of the range is blank"),
+        ("0,4,Sand,9,32,35", "0,4,Sand,9,-32,35", "site.csv:2: phi low [deg]: "),
+    ],
+)
+def test_a_wrong_range_of_a_table_is_refused_with_its_line(tmp_path, old: str, new: str, message: str) -> None:
+    table = TABLE.replace(old, new, 1)
+    if old == ",phi high [deg]":
+        table = table.replace(",35,38", ",35").replace(",37,40", ",37")
+    with pytest.raises(UserInputError) as error:
+        load_scene(_with_table(tmp_path, table))
+    assert message in str(error.value)
+
+
+def test_the_schema_of_an_editor_accepts_ranges(tmp_path) -> None:
+    from pysprings.scene.template import _with_ranges
+
+    soil = _with_ranges(scene_schema())["properties"]["soil"]["properties"]
+    for table in (soil, soil["layer"]["items"]["properties"]):
+        assert [each.get("required") for each in table["K0"]["anyOf"]] == [None, ["low", "best", "high"]]
+    assert "anyOf" not in soil["yield_surface"]
