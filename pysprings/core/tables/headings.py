@@ -23,7 +23,7 @@ TEXT, ANY = "", "*"  # unit of a column of words, of one whose unit does not mat
 PURE = ("", "-", "1")
 _BRACKETS = re.compile(r"(?P<stem>[^\[\]()]+?)[\s,/:]*[\[(](?P<unit>[^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
 _KEY = re.compile(r"\s*(?P<key>[^\[\]()]+?)\s*(?:[\[(](?P<unit>[^\[\]()]*)[\])])?\s*")
-_ENDINGS = ("_N_per_m", "_Nm_per_m", "_Nm", "_N", "_rad", "_m", "_s")
+_ENDINGS = ("_N_per_m", "_Nm_per_m", "_Nm", "_N", "_rad", "_m", "_s", "_Pa")
 # of a unit for the wrong quantity, an example of the right one
 _EXAMPLES = {
     "N": "kN", "N m": "kN m", "m": "mm", "rad": "deg", "N/m": "kN/m", "N m/m": "kN m/m", "Pa": "kPa", "N/m^3": "kN/m^3",

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings element`: laboratory tests on one point of a layer, beside data, with keys fitted to them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from pysprings.cli.folders import refuse_no_folder
+from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, SceneFile, formats_of, quantity
+from pysprings.cli.scene import load
+from pysprings.cli.support import print_json, print_table, quantities, refuse
+from pysprings.core.columns import Column, Table, filled
+from pysprings.core.errors import RunIncomplete
+from pysprings.core.units import quoted
+from pysprings.core.words import ElementTest
+from pysprings.scene.fields import suggestion
+
+if TYPE_CHECKING:
+    from pysprings.scene.ground import Stratum
+    from pysprings.scene.load import Scene
+    from pysprings.studies.element.data import LabTest
+    from pysprings.studies.element.fit import Fit
+    from pysprings.studies.element.study import Outcome
+
+_ROWS = (
+    Column("test", "test", words=True),
+    Column("drainage", "drainage", words=True),
+    Column("stress [kPa]", "stress", factor=1e-3),
+    Column("largest stress [kPa]", "peak", factor=1e-3),
+    Column("at strain [%]", "at", factor=100.0),
+    Column("stress at the end [kPa]", "end", factor=1e-3),
+    Column("phi mobilised, largest [deg]", "angle"),
+    Column("volumetric strain [%]", "volume", factor=100.0),
+    Column("pore pressure [kPa]", "pressure", factor=1e-3),
+    Column("away from data [%]", "away", factor=100.0),
+)
+_KEYS = (
+    Column("key", "key", words=True), Column("unit", "unit", words=True), Column("before", "before"),
+    Column("fitted", "value"), Column("standard error", "error", 2), Column("", "note", words=True),
+)  # fmt: skip
+
+
+def element(
+    scene: SceneFile,
+    test: Annotated[ElementTest, typer.Option("--test", help="kind of test")] = "triaxial",
+    layer: Annotated[
+        str | None, typer.Option("--layer", metavar="NAME", help="layer \\[default: the only one]")
+    ] = None,
+    stress: Annotated[
+        list[str] | None,
+        typer.Option("--stress", metavar="STRESS", help='consolidation stress, e.g. "100 kPa"; repeated'),
+    ] = None,
+    drainage: Annotated[
+        Literal["drained", "undrained"], typer.Option("--drainage", help="constant cell pressure, or constant volume")
+    ] = "drained",
+    depth: Annotated[
+        float | None, quantity("--depth", "m", "3 m", "where values by depth are taken \\[middle]")
+    ] = None,
+    strain: Annotated[
+        float | None, typer.Option("--strain", help="last strain, e.g. 0.1; by default of the kind")
+    ] = None,
+    data: Annotated[Path | None, typer.Option("--data", metavar="FILE", help="measured tests (CSV, xlsx)")] = None,
+    fit: Annotated[
+        str | None, typer.Option("--fit", metavar="KEY,KEY", help="keys of the layer to fit to --data")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="folder \\[default: out/element-SCENE]")
+    ] = None,
+    changes: Changes = None,
+    figures: DrawnFigures = None,
+    no_figures: NoFigures = False,
+    figure_format: Format = "png",
+    as_json: Json = False,
+) -> None:
+    """Drive one point of a layer's law through a laboratory test; set it beside data, and fit keys to them."""
+    formats = formats_of(figures, no_figures, figure_format)
+    loaded = load(scene, None, changes)
+    folder = Path("out") / f"element-{scene.stem}" if out is None else out
+    refuse_no_folder(folder)
+    stratum = _layer(loaded, layer)
+    at = 0.5 * (stratum.top + stratum.bottom) if depth is None else depth
+    if not stratum.top <= at <= stratum.bottom:
+        refuse("--depth", f"{at:g} m is not in the layer, {stratum.top:g} to {stratum.bottom:g} m")
+    if strain is not None and not 0.0 < strain <= 1.0:
+        refuse("--strain", f"{strain:g} is not in (0, 1]")
+    if test == "oedometer" and drainage == "undrained":
+        refuse("--drainage", "an oedometer test drains")
+    from pysprings.studies.element.study import Request, run, write
+
+    asked = _stresses(stress)
+    tests = _tests(data, test, asked)
+    keys = _keys(fit, stratum, data)
+    outcome = run(Request(stratum, test, at, drainage == "undrained", asked, strain, tests, keys))
+    files = write(outcome, folder, formats)
+    if as_json:
+        print_json({"tests": outcome.rows, "fit": _fit_json(outcome.fit), "files": [str(file) for file in files]})
+    else:
+        _print(outcome)
+        for file in files:
+            print(file)
+    if outcome.stopped or (outcome.fit is not None and not outcome.fit.converged):
+        raise RunIncomplete("; ".join(outcome.stopped) or "the fit did not converge", folder)
+
+
+def _layer(scene: Scene, name: str | None) -> Stratum:
+    """Return a layer of the scene by its name; the only one where none is given."""
+    strata = [each for each in scene.ground.strata if not each.like]
+    names = ", ".join(f"'{each.name}'" for each in strata)
+    if name is None and len(strata) > 1:
+        refuse("--layer", f"the scene has several layers: give one of {names}")
+    found = [each for each in strata if name in (None, each.name)]
+    if not found:
+        refuse("--layer", f"{quoted(name)} is no layer of the scene: give one of {names}")
+    return found[0]
+
+
+def _stresses(given: list[str] | None) -> tuple[float, ...]:
+    """Return the consolidation stresses in Pa."""
+    found = []
+    for text in given or ():
+        value = quantities({"--stress": (text, "Pa", "100 kPa")})["--stress"]
+        if value is None or value <= 0.0:
+            refuse("--stress", f"{quoted(text)} must be positive")
+        found.append(value)
+    return tuple(found)
+
+
+def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) -> tuple[LabTest, ...]:
+    from pysprings.studies.element.data import read_tests
+
+    if file is None:
+        return ()
+    if len(stresses) > 1:
+        refuse("--stress", "tests of --data have their own stress: give one at most, of a table without it")
+    return tuple(read_tests(file, kind, stresses[0] if stresses else None))
+
+
+def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, ...]:
+    """Return the keys to be fitted."""
+    from pysprings.studies.element.fit import known_keys
+
+    if text is None:
+        return ()
+    if data is None:
+        refuse("--fit", "needs --data")
+    keys, known = [each.strip() for each in text.split(",")], known_keys(stratum)
+    for key in keys:
+        if key not in known:
+            what = f"{quoted(key)} is no number of the layer that its law uses{suggestion(key, known)}"
+            refuse("--fit", f"{what}; those are {', '.join(known)}")
+    if len(set(keys)) < len(keys):
+        refuse("--fit", "a key stands there twice")
+    return tuple(keys)
+
+
+def _print(outcome: Outcome) -> None:
+    print_table(Table.of(filled(_ROWS, outcome.rows), outcome.rows))
+    fit = outcome.fit
+    if fit is None:
+        return
+    rows = [vars(each) | {"note": "at its bound" * each.at_bound} for each in fit.keys]
+    print(f"\nfit: {100.0 * fit.before:.3g} % away from the data before, {100.0 * fit.after:.3g} % after")
+    print_table(Table.of(_KEYS, rows))
+    if len(rows) > 1:
+        print("\ncorrelation of the fitted keys:")
+        names = [each.key for each in fit.keys]
+        cells = [[name, *(f"{each:.2f}" for each in line)] for name, line in zip(names, fit.correlation, strict=True)]
+        print_table(Table("", ("", *names), cells, left=(True, *[False] * len(names))))
+
+
+def _fit_json(fit: Fit | None) -> dict[str, Any] | None:
+    if fit is None:
+        return None
+    keys = [vars(each) for each in fit.keys]
+    return {"keys": keys, "away_before": fit.before, "away_after": fit.after, "converged": fit.converged,
+            "correlation": fit.correlation.tolist()}  # fmt: skip

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: MIT
+"""`pysprings element`: files, fits to data whose keys are known, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pysprings.scene.load import load_scene
+from pysprings.studies.element.data import LabTest, residuals
+from pysprings.studies.element.fit import bounds_of, known_keys
+from pysprings.studies.element.study import Request, run
+from tests.support.commands import command
+
+SCENE = """
+[caisson]
+outer_diameter = "8 m"
+skirt_length = "6 m"
+[[soil.layer]]
+top = "0 m"
+name = "sand"
+law = "van-eekelen"
+friction_angle_final = "36 deg"
+dilation_angle = "6 deg"
+young_modulus = { reference = "40 MPa", reference_stress = "100 kPa", exponent = 0.5, follows = "stress" }
+effective_unit_weight = "10 kN/m^3"
+K0 = 0.5
+degradation_strain = 2e-4
+[[soil.layer]]
+top = "6 m"
+name = "clay"
+law = "tresca"
+undrained_shear_strength = "40 kPa"
+rigidity_ratio = 200
+effective_unit_weight = "8 kN/m^3"
+[interface]
+adhesion_factor = 0.65
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    file = tmp_path / "c.toml"
+    file.write_text(SCENE)
+    return file
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")  # of columns that follow from others
+def test_the_command_writes_a_table_that_it_reads_as_data(scene: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    arguments = ("element", str(scene), "--layer", "sand", "--stress", "50 kPa", "--stress", "200 kPa")
+    about = json.loads(command(*arguments, "--out", str(out), "--json").out)
+    assert [row["stress"] for row in about["tests"]] == [50e3, 200e3] and about["fit"] is None
+    assert {Path(file).name for file in about["files"]} == {"element.csv", "element.png"}
+    frame = pd.read_csv(out / "element.csv")
+    assert frame.groupby("test").size().tolist() == [180, 180]
+    again = ("element", str(scene), "--layer", "sand", "--data", str(out / "element.csv"), "--no-figures")
+    text = command(*again, "--out", str(tmp_path / "again")).out
+    assert "away from data" in text and not (tmp_path / "again" / "element.png").exists()
+    found = json.loads(command(*again, "--out", str(tmp_path / "again"), "--json").out)["tests"]
+    assert max(row["away"] for row in found) < 2e-3  # the same curve at other strains: rows end with the data
+
+
+def test_a_fit_finds_the_keys_behind_its_data(scene: Path, tmp_path: Path) -> None:
+    """The data are those of the law itself with 33 and 10 degrees; their columns are in other units."""
+    out = tmp_path / "out"
+    truth = (
+        "--set", 'soil.layer.sand.friction_angle_final="33 deg"', "--set", 'soil.layer.sand.dilation_angle="10 deg"',
+    )  # fmt: skip
+    command("element", str(scene), "--layer", "sand", "--stress", "100 kPa", *truth, "--out", str(out), "--no-figures")
+    frame = pd.read_csv(out / "element.csv")
+    data = pd.DataFrame({
+        "axial strain [%]": 100.0 * frame["axial_strain"], "q [MPa]": 1e-6 * frame["q_Pa"],
+        "volumetric strain [%]": 100.0 * frame["volumetric_strain"],
+    })  # fmt: skip
+    data.to_csv(tmp_path / "lab.csv", index=False)
+    found = json.loads(command(
+        "element", str(scene), "--layer", "sand", "--stress", "100 kPa", "--data", str(tmp_path / "lab.csv"),
+        "--fit", "friction_angle_final,dilation_angle", "--out", str(out), "--json",
+    ).out)["fit"]  # fmt: skip
+    assert [each["value"] for each in found["keys"]] == pytest.approx([33.0, 10.0], rel=2e-3)
+    assert found["away_after"] < 1e-3 < found["away_before"] and found["converged"]
+    assert np.shape(found["correlation"]) == (2, 2) and found["correlation"][0][0] == pytest.approx(1.0)
+    assert not any(each["at_bound"] for each in found["keys"])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ((), "--layer: the scene has several layers: give one of 'sand', 'clay'"),
+        (("--layer", "silt"), "--layer: \"silt\" is no layer of the scene"),
+        (("--layer", "sand", "--stress", "5"), '--stress: expected a quantity with unit such as "100 kPa"'),
+        (("--layer", "sand", "--stress", "-5 kPa"), "must be positive"),
+        (("--layer", "sand", "--depth", "9 m"), "--depth: 9 m is not in the layer, 0 to 6 m"),
+        (("--layer", "sand", "--test", "oedometer", "--drainage", "undrained"), "an oedometer test drains"),
+        (("--layer", "sand", "--fit", "cohesion"), "--fit: needs --data"),
+        (("--layer", "sand", "--strain", "2"), "--strain: 2 is not in (0, 1]"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_in_one_line(scene: Path, options: tuple[str, ...], message: str) -> None:
+    found = command("element", str(scene), *options)
+    assert found.code == 2 and message in found.err and len(found.err.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("axial strain [%],p [kPa]\n1,2\n", "no column 'q [kPa]'"),
+        ("axial strain [%],q [kPa]\n1,2\n", "no column 'stress [kPa]'"),
+        ("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,1,3\n", "fewer than 3 rows"),
+        ("stress [kPa],axial strain [%],q [kPa]\n0,0,2\n0,1,3\n0,2,4\n", "must be positive"),
+        ("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,,3\n100,2,4\n", "needs a number"),
+    ],
+)
+def test_data_that_are_no_test_are_refused(scene: Path, tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "lab.csv").write_text(text)
+    found = command("element", str(scene), "--layer", "sand", "--data", str(tmp_path / "lab.csv"))
+    assert found.code == 2 and message in found.err
+
+
+def test_keys_to_be_fitted_are_numbers_of_the_law_with_their_bounds(scene: Path, tmp_path: Path) -> None:
+    sand, clay, *_ = load_scene(scene).ground.strata
+    assert "young_modulus" in known_keys(sand) and "undrained_shear_strength" not in known_keys(sand)
+    assert "undrained_shear_strength" in known_keys(clay)
+    assert bounds_of("friction_angle_final", 0.5) == pytest.approx((0.5e-3, np.radians(60.0)))
+    assert bounds_of("dilation_angle", 0.0) == pytest.approx((np.radians(-30.0), np.radians(60.0)))
+    (tmp_path / "lab.csv").write_text("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,1,30\n100,2,40\n")
+    data = ("--data", str(tmp_path / "lab.csv"), "--fit", "frict_angle_final")
+    found = command("element", str(scene), "--layer", "sand", *data)
+    assert "is no number of the layer that its law uses (did you mean 'friction_angle_final'?)" in found.err
+
+
+def test_a_curve_that_ends_early_is_away_from_the_data_beyond(scene: Path) -> None:
+    sand = load_scene(scene).ground.strata[0]
+    curve = run(Request(sand, "triaxial", 3.0, stresses=(100e3,), strain=0.05)).curves[0]
+    columns = {"axial_strain": np.array([0.0, 0.04, 0.1]), "q_Pa": np.full(3, 1e5)}
+    (away,) = residuals(LabTest("a", 100e3, columns), curve, "triaxial", False)
+    assert abs(away[2]) == pytest.approx(1.0 / np.sqrt(3.0))
