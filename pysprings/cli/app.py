@@ -29,6 +29,7 @@ EPILOG = (
 COMMANDS = {
     "init": "scene",
     "check": "scene",
+    "ground": "ground",
     "run": "run",
     "compile": "compiling",
     "springs": "springs",
@@ -60,6 +61,7 @@ def _load_all() -> None:
         compiling,
         design,
         element,
+        ground,
         predict,
         run,
         scene,

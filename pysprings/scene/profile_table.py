@@ -155,7 +155,7 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     _split_pairs(table)
     _check_columns(table, soil)
     values = {name: table.numbers(name, most=False) for name in table.columns if name not in ("name", "law")}
-    ends = _ends(table, values)
+    ends = row_ends(table, values)
     layers = [_layer(table, values, k) for k in range(len(table))]
     if "depth" in table and "top" not in table:
         table.faults.stop()
@@ -270,7 +270,7 @@ def _check_ends(table: Table, stem: str) -> None:
             table.fault(None, end, f"needs a column '{other}' beside it")
 
 
-def _ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
+def row_ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
     """Return top and bottom of each row [m]; elevations, which fall from row to row, are depths below the first."""
     none = np.full(len(table), np.nan)
     top = values.get("top", values.get("depth", none))

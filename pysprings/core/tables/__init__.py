@@ -7,11 +7,11 @@ place.
 """
 
 from pysprings.core.tables.faults import Faults
-from pysprings.core.tables.files import ENDINGS, Sheet, is_table
+from pysprings.core.tables.files import ENDINGS, Sheet, is_table, sheets_of
 from pysprings.core.tables.headings import GRAVITY, Column, split
 from pysprings.core.tables.table import Table, TableNote, keyed_table, one_table, tables_of
 
 __all__ = [
     "ENDINGS", "GRAVITY", "Column", "Faults", "Sheet", "Table", "TableNote", "is_table", "keyed_table", "one_table",
-    "split", "tables_of",
+    "sheets_of", "split", "tables_of",
 ]  # fmt: skip

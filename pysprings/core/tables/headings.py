@@ -90,11 +90,14 @@ class WrongHeading(ValueError):
 class Headings:
     """The columns of a reader, found by the headings of a table.
 
-    ``assume`` returns, for the headings of a table, units of names that have none.
+    ``assume`` returns, for the headings of a table, units of names that have none; ``lenient`` : unknown columns are
+    left out, not refused.
     """
 
-    def __init__(self, columns: Sequence[Column], assume: Callable[[Sequence[str]], Mapping[str, str]]) -> None:
-        self.columns, self.assume = columns, assume
+    def __init__(
+        self, columns: Sequence[Column], assume: Callable[[Sequence[str]], Mapping[str, str]], lenient: bool = False
+    ) -> None:
+        self.columns, self.assume, self.lenient = columns, assume, lenient
         self.units: Mapping[str, str] = {}
         si = [each for each in columns if each.unit in ("1", TEXT, ANY) or unit_of_column(each.name) == each.unit]
         self._exact = {column.name: column for column in si}

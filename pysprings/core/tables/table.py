@@ -103,15 +103,20 @@ class Table:
         self.faults.add((self.place, line), None if name is None else self.key(name), message)
 
 
-def one_table(path: Path, columns: Sequence[Column], what: str, assume: Assume = lambda head: {}) -> Table:
+def one_table(
+    path: Path, columns: Sequence[Column], what: str, assume: Assume = lambda head: {}, lenient: bool = False,
+    sheets: list[Sheet] | None = None,
+) -> Table:  # fmt: skip
     """Return the one table of a file that holds ``what``; its faults wait for `stop`.
+
+    ``lenient``: unknown columns are left out with a note.  ``sheets`` : those of the file, where they are read already.
 
     Raises
     ------
     UserInputError
         No file, no table, more than one sheet that has one, merged or hidden cells.
     """
-    return _one(path, Headings(columns, assume), what)
+    return _one(path, Headings(columns, assume, lenient), what, sheets)
 
 
 def keyed_table(path: Path, words: Sequence[str], what: str) -> Table:
@@ -119,8 +124,8 @@ def keyed_table(path: Path, words: Sequence[str], what: str) -> Table:
     return _one(path, KeyHeadings(words), what)
 
 
-def _one(path: Path, known: Headings, what: str) -> Table:
-    sheets = _best(sheets_of(path), known)
+def _one(path: Path, known: Headings, what: str, sheets: list[Sheet] | None = None) -> Table:
+    sheets = _best(sheets_of(path) if sheets is None else sheets, known)
     seen = [sheet for sheet in sheets if not sheet.hidden]
     found = [sheet for sheet in seen if _head(sheet, known)[1] > 1]
     if len(found) > 1:
@@ -247,6 +252,9 @@ def _read_head(table: Table, known: Headings) -> None:
         try:
             heading = known.read(text)
         except WrongHeading as error:
+            if error.column is None and known.lenient:
+                skipped.setdefault("unknown columns", []).append(text)
+                continue
             table.faults.add((table.place, table.head_line), quoted(text), str(error))
             if error.column is None:
                 continue
@@ -258,11 +266,13 @@ def _read_head(table: Table, known: Headings) -> None:
         by_name.setdefault(heading.column.name, []).append(text)
         table.columns.setdefault(heading.column.name, (k, heading))
     for name, texts in by_name.items():
-        if len(texts) > 1:
+        if known.lenient:
+            skipped.setdefault("columns that stand twice: the first one counts", []).extend(texts[1:])
+        elif len(texts) > 1:
             written = "" if set(texts) == {name} else f" ({', '.join(map(quoted, texts))})"
             message = f"column stands {len(texts)} times{written}"
             table.faults.add((table.place, table.head_line), quoted(name), message)
-    for why, texts in skipped.items():
+    for why, texts in ((why, texts) for why, texts in skipped.items() if texts):
         warnings.warn(f"{table.place}: not used: {', '.join(map(quoted, texts))} ({why})", TableNote, stacklevel=2)
 
 

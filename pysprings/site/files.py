@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: MIT
+"""Files of a site investigation -> tests, points by depth, layers; the kind of a table is found by its headings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.tables import ENDINGS, Column, Sheet, Table, is_table, one_table, sheets_of, split
+from pysprings.core.tables.headings import TEXT
+from pysprings.scene.profile_table import EPS50, NAMES, TOTAL, VELOCITY, WATER, columns, row_ends
+from pysprings.site.formats import read_ags, read_bro, read_gef, refused
+from pysprings.site.sounding import Sounding, sounding
+
+Array = NDArray[np.float64]
+
+_DEPTHS = ("depth", "z", *NAMES["depth"], "penetration length", "sondeerlengte", "diepte", "tiefe", "scpt dpth")
+_CONE = ("qc", "q c", "cone resistance", "tip resistance", "cone tip resistance", "conusweerstand", "conuswaarde",
+         "conuswaarden", "puntdruk", "spitzendruck", "scpt res")  # fmt: skip
+_TOTAL_CONE = ("qt", "q t", "corrected cone resistance", "total cone resistance", "scpt qt")
+_TEST_COLUMNS = (
+    Column("depth", "m", _DEPTHS, "m"), Column("qc", "Pa", _CONE, "MPa"), Column("qt", "Pa", _TOTAL_CONE, "MPa"),
+    Column("fs", "Pa", ("f s", "sleeve friction", "local friction", "plaatselijke wrijving", "kleef", "mantelreibung",
+                        "scpt fres"), "MPa"),
+    Column("u2", "Pa", ("u 2", "pore pressure u2", "pore pressure", "waterspanning u2", "scpt pwp2"), "MPa"),
+    Column("u", "Pa", (), "MPa"), Column("Qt", "*", ("Qtn",), skipped="follows from the others"),
+    Column("Rf", "1", ("r f", "friction ratio", "wrijvingsgetal"), "", "", 0.01),
+    Column("location", TEXT, ("location identifier", "loca id", "borehole", "hole", "cpt", "bh")),
+)  # fmt: skip
+_DENSITY = Column("relative_density", "1", ("dr", "density index", "id", "d r"), "", "", 0.01)
+_PEAKS = ("su peak q", "su uu", "su dss", "su cauc", "cu peak", "failure shear stress", "peak shear stress")
+# values that points and layers may give, with what stands in their place for a scene
+MEASURED = ("undrained_shear_strength", "relative_density", "friction_angle_final", "shear_modulus", "cohesion",
+            "effective_unit_weight", "strain_at_half_strength")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Points:
+    """Values by depth: of tests in a laboratory or in the ground (n,), NaN where a row has none, by key in SI."""
+
+    place: str
+    depth: Array
+    values: dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Bed:
+    """A layer of a table: file and line, its ends [m], its name, and values at both ends, by key in SI."""
+
+    place: str
+    line: int | None
+    top: float
+    bottom: float
+    name: str
+    values: dict[str, tuple[float, float]]
+
+
+@dataclass
+class Site:
+    """All that the files hold."""
+
+    soundings: list[Sounding] = field(default_factory=list)
+    beds: list[Bed] = field(default_factory=list)
+    points: Points | None = None
+
+
+def read_site(files: Sequence[Path]) -> Site:
+    """Return what the files hold: cone penetration tests, points by depth, one table of layers.
+
+    Raises
+    ------
+    UserInputError
+        A file of no such kind, or one with faults: file, line, what is wrong.
+    """
+    site = Site()
+    for path in files:
+        raw = _start(path)
+        if not is_table(path) or raw.lstrip(b"\xef\xbb\xbf \r\n").startswith((b"#GEFID", b'"GROUP"')):
+            site.soundings += _in_format(path, raw)
+        else:
+            _add_table(site, path)
+        if len({bed.place for bed in site.beds}) > 1:
+            raise refused(path, "is a second table of layers: give one")
+    return site
+
+
+def _start(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise refused(path, "no such file" if isinstance(error, FileNotFoundError) else f"cannot be read: {error}") \
+            from None  # fmt: skip
+
+
+def _in_format(path: Path, raw: bytes) -> list[Sounding]:
+    """Return the tests of a file in one of the formats of `formats`."""
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    start = text.lstrip()[:200].upper()
+    if start.startswith("#GEFID") or re.match(r"#\w+\s*=", start):
+        return read_gef(path, text)
+    if start.startswith('"GROUP"') or start.startswith('"**'):
+        return read_ags(path, text)
+    if start.startswith("<"):
+        return read_bro(path, raw)
+    kinds = f"a CPT is read from GEF, AGS 4, XML of the BRO, {', '.join(ENDINGS)}"
+    raise refused(path, f"is of no kind that is read: {kinds}; save it as CSV with depth [m], qc [MPa], fs [MPa]")
+
+
+def _add_table(site: Site, path: Path) -> None:
+    """Read a table by the kind that its headings show."""
+    sheets = sheets_of(path)
+    texts = {cell for sheet in sheets for _, cells in sheet.lines[:30] for cell in cells if isinstance(cell, str)}
+    stems = {stem.lower() for text in texts for stem, _ in split(text)}
+    if stems & set(_DEPTHS) and stems & {*_CONE, *_TOTAL_CONE}:
+        site.soundings += _tests(path, sheets)
+    elif stems & {"top", *NAMES["top"]}:
+        site.beds += _beds(path, sheets)
+    elif stems & set(_DEPTHS):
+        site.points = _joined(site.points, _points(path, sheets))
+    else:
+        what = "of a CPT (depth [m], qc [MPa]), points (depth [m], su [kPa] ...) or layers (Depth from [m] ...)"
+        raise refused(path, f"no headings {what} were found")
+
+
+def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
+    """Return the tests of a table, one a location."""
+    table = one_table(path, _TEST_COLUMNS, "a CPT", lenient=True, sheets=sheets)
+    names = table.texts("location")
+    given = {name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u")}
+    table.faults.stop()
+    given["u2"] = np.where(np.isfinite(given["u2"]), given["u2"], given.pop("u"))
+    locations = list(dict.fromkeys(each for each in names if each)) or [""]
+    out = []
+    for name in locations:
+        own = np.array([each in (name, "") for each in names])
+        out.append(sounding(table.place, name or path.stem, {key: value[own] for key, value in given.items()}))
+    return out
+
+
+def _value_columns() -> tuple[Column, ...]:
+    """Return the columns of `soil.profile` and those that the proposal uses beside them."""
+    ends = [Column(f"relative_density {end}", "1", tuple(f"{name} {end}" for name in _DENSITY.names), percent=0.01)
+            for end in ("from", "to")]  # fmt: skip
+    known = [each for each in columns() if each.name not in (*_DENSITY.names, "relative density")]
+    return (*known, _DENSITY, *ends, Column("su peak", "Pa", _PEAKS, "kPa"))
+
+
+def _points(path: Path, sheets: list[Sheet]) -> Points:
+    table = one_table(path, _value_columns(), "points by depth", lenient=True, sheets=sheets)
+    depth = table.numbers("depth", most=False)
+    values = _values(table)
+    table.faults.stop()
+    if not values:
+        message = "no column of values: su [kPa], Total unit weight [kN/m3], Gmax [MPa], Vs [m/s], Dr [-], phi [deg]"
+        raise refused(path, message, table.head_line)
+    good = np.isfinite(depth)
+    return Points(table.place, depth[good], {key: value[good] for key, value in values.items()})
+
+
+def _joined(first: Points | None, other: Points) -> Points:
+    """Return the points of two files as one."""
+    if first is None:
+        return other
+    values = {
+        key: np.concatenate([each.values.get(key, np.full(each.depth.shape, np.nan)) for each in (first, other)])
+        for key in {**first.values, **other.values}
+    }
+    return Points(first.place, np.concatenate([first.depth, other.depth]), values)
+
+
+def _values(table: Table, end: str = "") -> dict[str, Array]:
+    """Return the values of the rows by key, in SI; those at one end of each layer where it has them."""
+
+    def column(key: str) -> Array:
+        own = table.numbers(key, most=False)
+        there = table.numbers(f"{key} {end}", most=False) if end else own
+        return np.where(np.isfinite(there), there, own)
+
+    values = {key: column(key) for key in MEASURED}
+    total, half, speed = column(TOTAL), column(EPS50), column(VELOCITY)
+    others = {
+        "undrained_shear_strength": table.numbers("su peak", most=False), "effective_unit_weight": total - WATER,
+        "strain_at_half_strength": 1.5 * half, "shear_modulus": total / 9.81 * speed**2,
+    }  # fmt: skip
+    for key, other in others.items():
+        values[key] = np.where(np.isfinite(values[key]), values[key], other)
+    return {key: value for key, value in values.items() if np.isfinite(value).any()}
+
+
+def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
+    table = one_table(path, _value_columns(), "layers", lenient=True, sheets=sheets)
+    ends = {name: table.numbers(name, most=False) for name in ("top", "bottom")}
+    firsts, lasts = _values(table, "from"), _values(table, "to")
+    tops, bottoms = row_ends(table, ends)
+    bottoms = np.where(np.isfinite(bottoms), bottoms, np.append(tops[1:], np.nan))
+    for k in np.flatnonzero(~(bottoms > tops)).tolist():
+        table.fault(k, "bottom", "is blank, or not below the top of the layer")
+    table.faults.stop()
+    names = table.texts("name")
+    return [
+        Bed(table.place, int(table.lines[k]), float(tops[k]), float(bottoms[k]), names[k] or f"layer {k + 1}",
+            {key: (float(firsts[key][k]), float(lasts[key][k])) for key in firsts
+             if np.isfinite(firsts[key][k]) and np.isfinite(lasts[key][k])})
+        for k in range(len(table))
+    ]  # fmt: skip

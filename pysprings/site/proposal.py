@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: MIT
+"""Layers with low, best and high values, proposed from a cone penetration test, points by depth, or layers.
+
+In each layer every correlation gives a line by depth, or a mean; low, best and high are the least, the middle and the
+greatest of them. That is the range of the mean of a layer, not the scatter of single rows. Measured values, and those
+of a table of layers, take the place of correlations.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.scene.profile_table import WATER
+from pysprings.site.correlations import CONE_FACTORS, SAND, Correlation, Rows, clay, dilation
+from pysprings.site.files import Bed, Points, Site
+from pysprings.site.layering import boundaries
+from pysprings.site.sounding import SAND_TO, TRANSITION, Sounding, behaviour_index, stresses, unit_weight, zone_name
+
+Array = NDArray[np.float64]
+
+LINEAR = ("undrained_shear_strength", "shear_modulus", "cohesion")  # by depth; the others are means of a layer
+SOFTER = ("strain_at_half_strength",)  # where the greatest value makes the softest ground
+NEEDED = {
+    "sand": ("friction_angle_final", "shear_modulus", "effective_unit_weight"),
+    "clay": ("undrained_shear_strength", "shear_modulus", "effective_unit_weight"),
+}
+MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
+FEWEST_POINTS = 3  # in a layer, for a range
+_WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value of a layer: low, best, high (3,) at top and bottom (2,) in SI, where from, what is outside its range."""
+
+    lines: Array
+    sources: tuple[str, ...]
+    outside: tuple[str, ...] = ()
+
+
+@dataclass
+class Unit:
+    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test in it, values by scene key."""
+
+    top: float
+    bottom: float
+    name: str
+    kind: str
+    index: float = np.nan
+    rows: int = 0
+    values: dict[str, Value] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Layers from mudline down, the test and its rows, points beside them, and what was assumed."""
+
+    units: list[Unit]
+    sounding: Sounding | None
+    rows: Rows
+    depth: Array
+    points: Points | None
+    notes: list[str]
+
+
+@dataclass(frozen=True)
+class Options:
+    """Choices of a person.
+
+    test : by name.  area_ratio : of the cone.  cone_factors : N_kt for su high, best, low.  most : layers at most.
+    depth : to which a test counts [m].
+    """
+
+    test: str | None = None
+    area_ratio: float | None = None
+    cone_factors: tuple[float, float, float] = CONE_FACTORS
+    most: int = 10
+    depth: float = np.inf
+
+
+def propose(site: Site, options: Options) -> Proposal:
+    """Return layers and values for what the files hold.
+
+    Raises
+    ------
+    UserInputError
+        Several tests and none chosen; no layers where the test has no sleeve friction; nothing that gives a value.
+    """
+    chosen = _chosen(site.soundings, options)
+    if chosen is not None:
+        rows, depth = _rows(chosen, site.beds), chosen.depth
+        units = _units(chosen, rows, site.beds, options.most)
+        notes = [*chosen.notes, "stresses count from mudline down, with water above it"]
+    else:
+        units, notes = _units_of_tables(site), []
+        depth, rows = _ends_as_rows(units, site)
+    for unit in units:
+        _fill(unit, rows, depth, site, options)
+    if not any(set(unit.values) & {*LINEAR, "friction_angle_final"} for unit in units):
+        places = [each.place for each in (*site.beds, site.points) if each]
+        message = "gives neither strength nor stiffness nor relative density of any layer: no ground follows from it"
+        raise refused(None, message, places[0])
+    return Proposal(units, chosen, rows, depth, site.points, [*notes, *_cone_factor(rows, depth, units, site)])
+
+
+def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
+    """Return the test that is chosen; None where there is none."""
+    found = [each for each in soundings if options.test in (None, each.name)]
+    names = ", ".join(each.name for each in soundings)
+    if options.test is not None and not found:
+        raise refused("--test", f"no test '{options.test}'; there are: {names or 'none'}")
+    if len(found) > 1:
+        raise refused("--test", f"choose one of the {len(found)} tests: {names}")
+    if not found:
+        return None
+    chosen = found[0].down_to(options.depth)
+    if options.area_ratio is None:
+        return chosen
+    notes = tuple(each for each in chosen.notes if "--area-ratio" not in each)
+    return replace(chosen, area_ratio=options.area_ratio, notes=notes)
+
+
+def _rows(test: Sounding, beds: Sequence[Bed]) -> Rows:
+    """Return what correlations read; unit weights are those of layers, or of Robertson and Cabal (2010)."""
+    depth, sleeve = test.depth, test.sleeve
+    weighed = [bed for bed in beds if "effective_unit_weight" in bed.values]
+    if weighed:
+        at = [z for bed in weighed for z in (bed.top, bed.bottom)]
+        weight = np.interp(depth, at, [v + WATER for bed in weighed for v in bed.values["effective_unit_weight"]])
+    elif np.isfinite(sleeve).any():
+        good = np.isfinite(sleeve)
+        weight = unit_weight(test.total_cone, np.interp(depth, depth[good], sleeve[good]))
+    else:
+        raise _no_sleeve(test, "Total unit weight [kN/m3] and Soil type")
+    total, effective = stresses(depth, weight)
+    cone = test.total_cone
+    index = behaviour_index(cone - total, sleeve, effective)
+    return Rows(cone, sleeve, total, effective, weight, index, np.full(depth.shape, np.nan))
+
+
+def _no_sleeve(test: Sounding, what: str) -> Exception:
+    text = f"the test has no sleeve friction: give the layers of a borehole as a second file, with {what}"
+    return refused(None, text, test.place)
+
+
+def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[Unit]:
+    """Return the layers of a test: those of a table, or proposed ones, without values."""
+    if beds:
+        return [Unit(bed.top, bed.bottom, bed.name, _kind(bed, rows.index[_inside(bed, test.depth)])) for bed in beds]
+    if np.isfinite(rows.index).mean() < 0.3:
+        raise _no_sleeve(test, "Soil type")
+    cuts = boundaries(test.depth, rows.index, rows.net, rows.effective, most)
+    ends = [0.0, *(round(each, 1) for each in cuts), round(float(test.depth[-1]), 2)]
+    units = []
+    for top, bottom in itertools.pairwise(ends):
+        own = rows.index[(test.depth >= top) & (test.depth <= bottom)]
+        index = float(np.nanmedian(own)) if np.isfinite(own).any() else SAND_TO
+        units.append(Unit(top, bottom, zone_name(index), "sand" if index <= SAND_TO else "clay"))
+    if test.depth[0] > 0.5:
+        units[0].remarks.append(f"nothing measured above {test.depth[0]:g} m: the first layer reaches up to mudline")
+    return units
+
+
+def _inside(unit: Unit | Bed, depth: Array) -> NDArray[np.bool_]:
+    return (depth >= unit.top) & (depth <= unit.bottom)
+
+
+def _kind(bed: Bed, index: Array) -> str:
+    """Return "sand" or "clay" from the name of a layer, from its values, or from I_c; refuse what leaves it open."""
+    kinds = [kind for kind, words in _WORDS.items() if re.search(rf"\b({words})\b", bed.name.lower())]
+    if len(kinds) != 1:
+        sandy = not {"relative_density", "friction_angle_final"}.isdisjoint(bed.values)
+        kinds = ["clay"] * ("undrained_shear_strength" in bed.values) + ["sand"] * sandy
+    if len(kinds) != 1 and np.isfinite(index).any():
+        kinds = ["sand" if np.nanmedian(index) <= SAND_TO else "clay"]
+    if len(kinds) != 1:
+        message = f"'{bed.name}': sand or clay? write one of the two as the soil type of a layer"
+        raise UserInputError([Problem(bed.place, bed.line, message=message)])
+    return kinds[0]
+
+
+def _units_of_tables(site: Site) -> list[Unit]:
+    """Return the layers of a table, or one layer around points, without values."""
+    none = np.array([np.nan])
+    if site.beds:
+        return [Unit(bed.top, bed.bottom, bed.name, _kind(bed, none)) for bed in site.beds]
+    assert site.points is not None
+    keys = dict.fromkeys(site.points.values, (0.0, 0.0))
+    bottom = float(site.points.depth.max())
+    kind = _kind(Bed(site.points.place, None, 0.0, bottom, "points without layers", keys), none)
+    return [Unit(0.0, bottom, kind, kind)]
+
+
+def _ends_as_rows(units: Sequence[Unit], site: Site) -> tuple[Array, Rows]:
+    """Return the ends of layers as rows without cone resistance: stresses from the unit weights that are given."""
+    depth = np.array([z for unit in units for z in (unit.top, unit.bottom)])
+    beds = {(bed.top, bed.bottom): bed.values for bed in site.beds}
+    none = (np.nan, np.nan)
+    weights = [v for unit in units for v in beds.get((unit.top, unit.bottom), {}).get("effective_unit_weight", none)]
+    measured = site.points.values.get("effective_unit_weight") if site.points else None
+    mean = np.nan if measured is None else float(np.nanmean(measured))
+    weight = np.where(np.isfinite(weights), weights, mean) + WATER
+    total, effective = stresses(depth, weight)
+    nothing = np.full(depth.shape, np.nan)
+    return depth, Rows(nothing, nothing, total, effective, weight, nothing, nothing)
+
+
+def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) -> None:
+    """Put values into a layer: given ones, measured ones, those of correlations."""
+    own = _inside(unit, depth)
+    part = rows.part(own)
+    unit.rows = int(np.isfinite(part.cone).sum())
+    unit.index = float(np.nanmedian(part.index)) if np.isfinite(part.index).any() else np.nan
+    if TRANSITION[0] < unit.index < TRANSITION[1]:
+        unit.remarks.append(f"I_c {unit.index:.2f}: partially drained; neither drained sand nor undrained clay is sure")
+    ends = np.array([unit.top, unit.bottom])
+    _given(unit, site.beds)
+    if site.points is not None:
+        _measured(unit, site.points, ends, unit.rows > 0)
+    if own.any():
+        _correlated(unit, part, depth[own], ends, SAND if unit.kind == "sand" else clay(options.cone_factors))
+    _derived(unit)
+    if missing := [key for key in NEEDED[unit.kind] if key not in unit.values]:
+        unit.remarks.append(f"nothing gives {', '.join(missing)}: fill it in")
+
+
+def _given(unit: Unit, beds: Sequence[Bed]) -> None:
+    for bed in beds:
+        if (bed.top, bed.bottom, bed.name) == (unit.top, unit.bottom, unit.name):
+            for key, line in bed.values.items():
+                unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",))
+
+
+def _measured(unit: Unit, points: Points, ends: Array, beside: bool) -> None:
+    """Put the line through points into a layer, low and high at the tenth and ninetieth per cent of their ratios to it.
+
+    Fewer points than `FEWEST_POINTS` count only where no test stands beside them.
+    """
+    for key, values in points.values.items():
+        own = _inside(unit, points.depth) & np.isfinite(values)
+        count = int(own.sum())
+        if not count or key in unit.values or key not in (*NEEDED[unit.kind], "relative_density", *SOFTER):
+            continue
+        if count < FEWEST_POINTS and beside:
+            unit.remarks.append(f"{count} measured {key}: too few for a line, drawn alone")
+            continue
+        best = _line(points.depth[own], values[own], ends, key)
+        ratios = values[own] / np.interp(points.depth[own], ends, best)
+        shares = np.percentile(ratios, [10.0, 50.0, 90.0]) if count >= FEWEST_POINTS else np.ones(3)
+        shares[1] = 1.0
+        if count < FEWEST_POINTS:
+            unit.remarks.append(f"{count} measured {key}: no range")
+        low_first = sorted(shares, reverse=key in SOFTER)
+        unit.values[key] = Value(np.outer(low_first, best), (f"{count} measured values",))
+
+
+def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations: Sequence[Correlation]) -> None:
+    """Put the least, middle and greatest line of correlations into a layer, key by key.
+
+    A correlation with most rows outside its range counts only where every other one has that, too.
+    """
+    for key in dict.fromkeys(each.gives for each in correlations):
+        found: list[tuple[Array, Correlation, float]] = []
+        for each in (each for each in correlations if each.gives == key and key not in unit.values):
+            values = each.of(rows)
+            if (good := np.isfinite(values)).any():
+                line = _line(depth[good], values[good], ends, key)
+                found.append((line, each, 1.0 - float(each.inside(rows)[good].mean())))
+        if key == "relative_density" and key in unit.values:
+            rows = rows.with_density(np.interp(depth, ends, unit.values[key].lines[1]))
+        if not found:
+            continue
+        counted = [each for each in found if each[2] <= 0.5] or found
+        fewer = len(counted) < len(found)
+        lines = np.array([line for line, _, _ in counted])
+        three = np.array([lines.min(axis=0), np.median(lines, axis=0), lines.max(axis=0)])
+        outside = tuple(
+            f"{each.name} ({each.range}) in {share:.0%} of the rows" + ", left out" * (fewer and share > 0.5)
+            for _, each, share in found if share > MARKED
+        )  # fmt: skip
+        names = tuple(each.name for _, each, _ in counted)
+        unit.values[key] = Value(three[::-1] if key in SOFTER else three, names, outside)
+        if key == "relative_density":
+            rows = rows.with_density(np.interp(depth, ends, three[1]))
+
+
+def _line(depth: Array, values: Array, ends: Array, key: str) -> Array:
+    """Return the values (2,) at the ends of a layer: a line by least squares without its outliers, or the mean twice.
+
+    The line stays between half of the least and twice the greatest value that counts, where it goes beyond the data.
+    """
+    if key not in LINEAR or len(values) < FEWEST_POINTS or np.ptp(depth) <= 0.0:
+        return np.full(2, float(np.mean(values)))
+    keep = np.full(depth.shape, True)
+    for _ in range(2):
+        slope, level = np.polyfit(depth[keep], values[keep], 1)
+        off = np.abs(values - level - slope * depth)
+        keep = off <= 2.0 * np.std(off[keep]) + np.mean(off[keep])
+    return np.clip(level + slope * ends, 0.5 * values[keep].min(), 2.0 * values[keep].max())
+
+
+def _derived(unit: Unit) -> None:
+    """Put what follows from the friction angle of sand into a layer: dilation, K0."""
+    phi = unit.values.get("friction_angle_final")
+    if unit.kind == "sand" and phi is not None:
+        unit.values.setdefault("dilation_angle", Value(dilation(phi.lines), ("Bolton 1986, from phi",)))
+        at_rest = np.full((3, 2), 1.0 - np.sin(phi.lines[1].mean()))
+        unit.values.setdefault("K0", Value(at_rest, ("1 - sin phi (Jaky 1944), normally consolidated",)))
+
+
+def _cone_factor(rows: Rows, depth: Array, units: Sequence[Unit], site: Site) -> list[str]:
+    """Return a sentence on N_kt from measured su beside the net cone resistance of the test."""
+    su = site.points.values.get("undrained_shear_strength") if site.points else None
+    if su is None or site.points is None or not np.isfinite(rows.cone).any():
+        return []
+    factors = [
+        float(np.interp(z, depth, rows.net) / each)
+        for z, each in zip(site.points.depth, su, strict=True)
+        if np.isfinite(each) and depth[0] <= z <= depth[-1]
+        and any(unit.kind == "clay" and unit.top <= z <= unit.bottom for unit in units)
+    ]  # fmt: skip
+    if not factors:
+        return []
+    low, middle, high = np.percentile(factors, [10.0, 50.0, 90.0])
+    spread = f"{low:.3g} to {high:.3g} in most of {len(factors)} tests" if len(factors) > 2 else f"{len(factors)} tests"
+    return [f"measured su beside q_net: N_kt {middle:.3g} ({spread}); --nkt uses others than the usual ones"]

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: MIT
+"""A cone penetration test: its rows below mudline, stresses, net resistance, soil behaviour type index."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.profile_table import WATER
+
+Array = NDArray[np.float64]
+
+PA = 1.0e5  # Pa, atmospheric pressure of the normalisations
+AREA_RATIO = 0.8  # of a cone whose file gives none
+LEAST_STRESS = 1.0e3  # Pa, below which normalisations use it
+CHANNELS = ("depth", "qc", "qt", "fs", "Rf", "u2")
+
+
+@dataclass(frozen=True)
+class Sounding:
+    """A cone penetration test.
+
+    place : file.  name : of location or test.  depth (n,) : below mudline [m], growing.  cone, sleeve, pressure (n,) :
+    q_c, f_s, u_2 [Pa], NaN where not measured.  corrected (n,) : q_t [Pa] of the file, NaN where it gives none.
+    area_ratio : net area ratio of the cone.  notes : what was left out or assumed.
+    """
+
+    place: str
+    name: str
+    depth: Array
+    cone: Array
+    sleeve: Array
+    pressure: Array
+    corrected: Array
+    area_ratio: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def down_to(self, depth: float) -> Sounding:
+        """Return the rows down to a depth (m)."""
+        own = self.depth <= depth
+        if own.sum() < 3:
+            raise UserInputError([Problem(self.place, message=f"holds {int(own.sum())} rows down to {depth:g} m")])
+        rows = ("depth", "cone", "sleeve", "pressure", "corrected")
+        return replace(self, **{name: getattr(self, name)[own] for name in rows})
+
+    @property
+    def total_cone(self) -> Array:
+        """q_t (n,) = q_c + u_2 (1 - a) [Pa]; the one of the file where it gives that; q_c without pore pressure."""
+        ratio = AREA_RATIO if self.area_ratio is None else self.area_ratio
+        own = self.cone + np.nan_to_num(self.pressure) * (1.0 - ratio)
+        return np.where(np.isfinite(self.corrected), self.corrected, own)
+
+
+def sounding(
+    place: str, name: str, given: Mapping[str, Array], area_ratio: float | None = None, drilled: float = 0.0
+) -> Sounding:
+    """Return the test of channels in SI, by `CHANNELS`; NaN where there is no value.
+
+    Depths that fall from row to row are elevations below mudline, as older files have them. Rows without depth or cone
+    resistance, and those above the pre-drilled depth ``drilled`` (m), are left out with a note.
+
+    Raises
+    ------
+    UserInputError
+        Fewer than three rows are left.
+    """
+    length = len(given["depth"])
+    channel = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}
+    depth, notes = channel["depth"], []
+    finite = depth[np.isfinite(depth)]
+    if finite.size and np.median(finite) < 0.0:
+        depth = -depth
+        notes.append("depths are negative: taken as depths below mudline")
+    cone = np.where(np.isfinite(channel["qc"]), channel["qc"], channel["qt"])
+    good = np.isfinite(depth) & (depth >= 0.0) & (cone > 0.0) & (depth >= drilled)
+    if drilled > 0.0:
+        notes.append(f"rows above the pre-drilled depth of {drilled:g} m are left out")
+    if good.sum() < 3:
+        message = f"holds {int(good.sum())} rows with depth and cone resistance: a CPT needs three at least"
+        raise UserInputError([Problem(place, message=message)])
+    if missing := int((~good & (np.nan_to_num(depth, nan=drilled) >= drilled)).sum()):
+        notes.append(f"{missing} of {length} rows without depth or positive cone resistance are left out")
+    order = np.flatnonzero(good)[np.argsort(depth[good], kind="stable")]
+    sleeve = np.where(np.isfinite(channel["fs"]), channel["fs"], channel["Rf"] * cone)
+    pressure = channel["u2"][order]
+    if not np.isfinite(pressure).any() and not np.isfinite(channel["qt"]).any():
+        notes.append("no pore pressure u2: q_t = q_c, which is too small in soft clay")
+    elif area_ratio is None and not np.isfinite(channel["qt"]).any():
+        notes.append(f"no area ratio of the cone: {AREA_RATIO:g} is assumed (--area-ratio)")
+    return Sounding(
+        place, name, depth[order], cone[order], sleeve[order], pressure, channel["qt"][order], area_ratio, tuple(notes)
+    )
+
+
+def unit_weight(cone: Array, sleeve: Array) -> Array:
+    """Return the total unit weight (n,) in N/m3 from q_t and f_s in Pa.
+
+    Robertson and Cabal (2010): gamma/gamma_w = 0.27 log R_f + 0.36 log(q_t/p_a) + 1.236, R_f = f_s/q_t in %, grains of
+    2.65. Held between 11 and 23 kN/m3.
+    """
+    friction = np.maximum(100.0 * sleeve / cone, 0.1)
+    return np.clip(WATER * (0.27 * np.log10(friction) + 0.36 * np.log10(cone / PA) + 1.236), 11.0e3, 23.0e3)
+
+
+def stresses(depth: Array, weight: Array) -> tuple[Array, Array]:
+    """Return s_v0 and s'_v0 (n,) in Pa above hydrostatic water pressure at mudline, from total unit weights (N/m3).
+
+    The water stands at mudline or above it: total stresses count from the pressure there. The weight of the first row
+    holds up to mudline.
+    """
+    steps = np.diff(depth, prepend=0.0)
+    means = np.concatenate([weight[:1], 0.5 * (weight[1:] + weight[:-1])])
+    total = np.cumsum(steps * means)
+    return total, np.maximum(total - WATER * depth, 0.0)
+
+
+def behaviour_index(net: Array, sleeve: Array, effective: Array) -> Array:
+    """Return I_c (n,) from q_t - s_v0, f_s and s'_v0 in Pa; NaN where one is missing or not positive.
+
+    Robertson (2009): I_c = ((3.47 - log Q_tn)^2 + (log F_r + 1.22)^2)^0.5, Q_tn = q_net/p_a (p_a/s'_v0)^n with
+    (p_a/s'_v0)^n at most 1.7, F_r = f_s/q_net in %, n = 0.381 I_c + 0.05 s'_v0/p_a - 0.15, at most 1.
+    """
+    good = (net > 0.0) & (sleeve > 0.0)
+    stress = np.maximum(effective, LEAST_STRESS) / PA
+    friction = np.log10(np.where(good, 100.0 * sleeve / np.where(good, net, 1.0), 1.0)) + 1.22
+    index = np.full(net.shape, 2.5)
+    for _ in range(40):
+        exponent = np.clip(0.381 * index + 0.05 * stress - 0.15, 0.0, 1.0)
+        factor = np.minimum(stress**-exponent, 1.7)
+        index = np.hypot(3.47 - np.log10(np.where(good, net / PA * factor, 1.0)), friction)
+    return np.where(good, index, np.nan)
+
+
+# Robertson (2009), zones of the index: upper end, name
+ZONES = (
+    (1.31, "gravelly sand to dense sand"), (2.05, "sand to silty sand"), (2.60, "silty sand to sandy silt"),
+    (2.95, "clayey silt to silty clay"), (3.60, "clay to silty clay"), (np.inf, "organic clay or peat"),
+)  # fmt: skip
+SAND_TO = 2.60  # largest index of soil that drains while the cone passes
+TRANSITION = (2.5, 2.7)  # partially drained
+
+
+def zone_name(index: float) -> str:
+    """Return the name of the soil behaviour type of an index."""
+    return next(name for end, name in ZONES if index < end)

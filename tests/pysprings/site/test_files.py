@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: MIT
+"""Files of tests, points and layers: the same numbers from every format, or one clear line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.site.files import read_site
+
+DEPTH = [0.5, 1.0, 1.5, 2.0]
+CONE = [1.2, 4.2, 9.5, 16.0]  # MPa
+SLEEVE = [0.004, 0.02, 0.06, 0.11]
+PRESSURE = [0.005, 0.01, 0.015, 0.02]
+
+GEF = """\
+#GEFID= 1, 1, 0
+#PROCEDURECODE= GEF-CPT-Report, 1, 1, 2
+#TESTID= A-1
+#COLUMN= 4
+#COLUMNINFO= 1, m (meter), penetration length, 1
+#COLUMNINFO= 2, MPa, cone resistance, 2
+#COLUMNINFO= 3, Mpa, sleeve friction, 3
+#COLUMNINFO= 4, kPa, pore pressure, 6
+#COLUMNVOID= 2, -9999
+#COLUMNSEPARATOR= ;
+#RECORDSEPARATOR= !
+#MEASUREMENTVAR= 3, 0.75, -, net area ratio
+#EOH=
+0.50;1.2;0.004;5;!
+1.00;4.2;0.020;10;!
+1.20;-9999;0.020;10;!
+1.50;9.5;0.060;15;!
+2.00;16.0;0.110;20;!
+"""
+OLD_GEF = """\
+#GEFID = 1,0,0
+#COLUMNINFO = 1, m, depth, 1
+#COLUMNINFO = 2, MPa, cone, 2
+#COLUMNINFO = 3, MPa, friction, 3
+#EOH =
+ -5.0E-01  1.2E+00 4.0E-03
+ -1.0E+00  4.2E+00 2.0E-02
+ -1.5E+00  9.5E+00 6.0E-02
+ -2.0E+00  1.6E+01 1.1E-01
+"""
+AGS = """\
+"GROUP","SCPG"
+"HEADING","LOCA_ID","SCPG_TESN","SCPG_CAR"
+"UNIT","","",""
+"TYPE","ID","X","2DP"
+"DATA","A-1","1","0.75"
+
+"GROUP","SCPT"
+"HEADING","LOCA_ID","SCPG_TESN","SCPT_DPTH","SCPT_RES","SCPT_FRES","SCPT_PWP2"
+"UNIT","","","m","MN/m2","kN/m2","kN/m2"
+"TYPE","ID","X","2DP","3DP","3DP","1DP"
+"DATA","A-1","2","1.50","9.5","60","15"
+"DATA","A-1","2","2.00","16.0","110","20"
+"DATA","A-1","1","0.50","1.2","4","5"
+"DATA","A-1","1","1.00","4.2","20","10"
+"""
+NAMES = (
+    "penetrationLength",
+    "depth",
+    "elapsedTime",
+    "coneResistance",
+    "localFriction",
+    "porePressureU2",
+    "frictionRatio",
+)
+
+
+def bro(rows: str = "") -> str:
+    lines = zip(DEPTH, CONE, SLEEVE, PRESSURE, strict=True)
+    rows = rows or ";".join(f"{z},{z},-999999,{q},{f},{u},-999999" for z, q, f, u in lines)
+    flags = "".join(f"<c:{name}>ja</c:{name}>" for name in NAMES)
+    encoding = '<s:encoding><s:TextEncoding decimalSeparator="." tokenSeparator="," blockSeparator=";"/></s:encoding>'
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<dispatchDataResponse xmlns="urn:d" xmlns:c="urn:c" xmlns:s="urn:s"><CPT_O><c:broId>A-1</c:broId>
+<c:predrilledDepth uom="m">0.3</c:predrilledDepth><c:coneSurfaceQuotient uom="1">0.75</c:coneSurfaceQuotient>
+<c:cptResult>{encoding}<c:values>{rows};</c:values></c:cptResult><c:parameters>{flags}</c:parameters>
+</CPT_O></dispatchDataResponse>"""
+
+
+CSV = "z [m],qc [MPa],fs [MPa],u2 [MPa],Location,remark\n" + "".join(
+    f"{z},{q},{f},{u},A-1,x\n" for z, q, f, u in zip(DEPTH, CONE, SLEEVE, PRESSURE, strict=True)
+)
+DUTCH = "Diepte[m];Conuswaarden[MN/m²];Plaatselijke wrijving [kPa];Phi'[°];\n" + "".join(
+    f"{z};{q};{1e3 * f};0;\n".replace(".", ",") for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True)
+)
+PERCENT = "depth_m,cone resistance (kPa),Rf (%)\n" + "".join(
+    f"{z},{1e3 * q},{100 * f / q}\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True)
+)
+
+
+def read(tmp_path: Path, name: str, text: str):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return read_site([tmp_path / name])
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")
+@pytest.mark.parametrize(
+    ("name", "text", "pressure"),
+    [
+        ("a.gef", GEF, True), ("old.GEF", OLD_GEF, False), ("a.ags", AGS, True), ("a.xml", bro(), True),
+        ("a.csv", CSV, True), ("dutch.csv", DUTCH, False), ("percent.csv", PERCENT, False), ("gef.txt", GEF, True),
+    ],
+)  # fmt: skip
+def test_a_cone_penetration_test_has_the_same_numbers_from_every_format(tmp_path, name, text, pressure) -> None:
+    (test,) = read(tmp_path, name, text).soundings
+    assert test.depth == pytest.approx(DEPTH)
+    assert test.cone == pytest.approx(np.multiply(CONE, 1e6))
+    assert test.sleeve == pytest.approx(np.multiply(SLEEVE, 1e6))
+    assert test.pressure == pytest.approx(np.multiply(PRESSURE, 1e6) if pressure else np.full(4, np.nan), nan_ok=True)
+    if name in ("a.gef", "a.ags", "a.xml"):
+        assert (test.name, test.area_ratio) == ("A-1", 0.75)
+
+
+def test_rows_above_the_predrilled_depth_do_not_count(tmp_path) -> None:
+    text = bro().replace('<c:predrilledDepth uom="m">0.3', '<c:predrilledDepth uom="m">0.8')
+    (test,) = read(tmp_path, "a.xml", text).soundings
+    assert test.depth.tolist() == DEPTH[1:] and "pre-drilled depth of 0.8 m" in test.notes[0]
+
+
+def test_a_table_with_several_locations_holds_several_tests(tmp_path) -> None:
+    text = CSV + CSV.split("\n", 1)[1].replace("A-1", "B-2")
+    with pytest.warns(UserWarning, match='not used: "remark"'):
+        site = read(tmp_path, "a.csv", text)
+    assert [(test.name, len(test.depth)) for test in site.soundings] == [("A-1", 4), ("B-2", 4)]
+
+
+def test_points_by_depth(tmp_path) -> None:
+    text = "Location,Depth [m],Su peak [kPa],epsilon 50 [%],Total unit weight [kN/m3],Vs [m/s]\n"
+    text += "A,2,31,0.8,18,120\nB,6,48,-,19,"
+    with pytest.warns(UserWarning, match="Location"):
+        points = read(tmp_path, "lab.csv", text).points
+    assert points.depth.tolist() == [2.0, 6.0]
+    assert points.values["undrained_shear_strength"] == pytest.approx([31e3, 48e3])
+    assert points.values["strain_at_half_strength"] == pytest.approx([0.012, np.nan], nan_ok=True)
+    assert points.values["effective_unit_weight"] == pytest.approx([8190.0, 9190.0])
+    assert points.values["shear_modulus"] == pytest.approx([18e3 / 9.81 * 120.0**2, np.nan], nan_ok=True)
+
+
+def test_layers_with_relative_density(tmp_path) -> None:
+    text = (
+        "Depth from [m],Depth to [m],Soil type,Dr from [%],Dr to [%],Total unit weight [kN/m3]\n0,4,SAND,50,70,19.81\n"
+    )
+    (bed,) = read(tmp_path, "layers.csv", text).beds
+    assert (bed.top, bed.bottom, bed.name) == (0.0, 4.0, "SAND")
+    assert bed.values == {
+        "relative_density": pytest.approx((0.5, 0.7)),
+        "effective_unit_weight": pytest.approx((1e4, 1e4)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.gef", GEF.replace("GEF-CPT-Report", "GEF-BORE-Report"), 'a.gef:2: is a GEF file of the kind "GEF-BORE-Rep'),
+        ("a.gef", GEF.replace("2, MPa, cone", "2, kN, cone"), 'a.gef:6: COLUMNINFO 2: the unit is "kN", expected'),
+        ("a.gef", GEF.replace("0.50;1.2;0.004;5;!", "0.50;1.2;0.004;!"), 'a.gef:14: "0.50;1.2;0.004;!" is no row'),
+        ("a.gef", GEF.replace("resistance, 2", "resistance, 99"), "has no column of depth (quantity 1 or 11) and cone"),
+        ("a.gef", GEF.replace("0.50;1.2", "0.50;x"), 'a.gef:14: "0.50;x;0.004;5;!" is no row of numbers'),
+        ("a.gef", OLD_GEF.replace("1.2E+00 4.0E-03", "1.2E+00"), "a.gef:6: the row has 2 values, the columns of the"),
+        ("a.gef", GEF.split("#EOH")[0], "has no line #EOH"),
+        ("a.ags", AGS.replace("MN/m2", "lbf"), 'a.ags:10: SCPT_RES: the unit is "lbf"'),
+        ("a.ags", AGS.replace('"9.5"', '"n.m."'), 'a.ags:11: SCPT_RES: "n.m." is not a number'),
+        ("a.ags", AGS.replace('"SCPT"', '"GEOL"'), "holds no CPT (group SCPT); its groups are SCPG, GEOL"),
+        ("a.ags", '"**PROJ"\n"*PROJ_ID"\n', "is an AGS 3 file: save it as AGS 4"),
+        ("a.xml", bro("0.5,1"), "its rows do not have the 7 values that its element parameters lists"),
+        ("a.xml", "<root></root>", "holds no cone penetration test of the BRO"),
+        ("a.xml", "<root>", "a.xml:1: is no well-formed XML"),
+        ("a.asc", "Program UNIPLOT", "is of no kind that is read: a CPT is read from GEF, AGS 4, XML of the BRO"),
+        ("a.csv", "depth [m],qc [kN]\n1,2\n", 'a.csv:1: "qc [kN]": wrong unit "kN": expected a pressure or'),
+        ("a.csv", "depth [m],qc [MPa]\n1,x\n2,3\n", 'a.csv:2: qc [MPa]: "x" is not a number'),
+        ("a.csv", "depth [m],qc [MPa]\n1,2\n2,3\n", "holds 2 rows with depth and cone resistance: a CPT needs three"),
+        ("a.csv", "name,H [kN]\na,1\n", "no headings of a CPT (depth [m], qc [MPa]), points"),
+        ("a.csv", "depth [m],N [-]\n1,2\n", "a.csv:1: no column of values: su [kPa], Total unit weight"),
+        ("a.csv", "Depth from [m],Depth to [m],su [kPa]\n3,1,20\n", "a.csv:2: Depth to [m]: is blank, or not below"),
+        ("none.gef", None, "none.gef: no such file"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")
+def test_what_cannot_be_read_is_refused_in_one_line(tmp_path, name, text, message) -> None:
+    with pytest.raises(UserInputError) as error:
+        if text is None:
+            read_site([tmp_path / name])
+        read(tmp_path, name, text)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
