@@ -14,8 +14,9 @@ The jump of an interface is the displacement of side 1 (soil) minus that of side
 points from side 2 to side 1; a positive normal jump is a gap. The traction is
 work-conjugate to the jump, so its normal component is minus the contact pressure.
 
-A rigid body moves with (u, w, rotation): u_x = u + rotation (z - z0),
-u_z = w - rotation (x - x0); rotation is the right-hand rotation about +y.
+A rigid body moves with a displacement (u_x, u_y, u_z) of its reference point and
+right-hand rotations about x, y and z; one that moves in the plane of x and z with
+(u, w, rotation): u_x = u + rotation (z - z0), u_z = w - rotation (x - x0).
 """
 
 import numpy as np
@@ -27,7 +28,7 @@ CORNERS = np.array(
     [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], dtype=float
 )
 # Components of a jump or a traction: 0 normal, 1 and 2 tangential (see interface.local_frames)
-# Rigid-body degrees of freedom
+# Degrees of freedom of a rigid body in the plane of x and z
 U, W, ROTATION = range(3)
 
 # What happened at a Gauss point or a station in the last evaluation

@@ -171,6 +171,7 @@ class FourierModel:
     ----------
     mesh : section of the soil; its nodes include those of linear elements.
     harmonics : N, highest harmonic; azimuths : M > N, azimuths of the half circle at which the soil law is evaluated.
+    whole : whether the series goes around the whole circle (M > 2 N); see elements.fourier.
     materials, material : laws in use, and the index of each element's (ne,).
     initial_stress : (ne, 4 M, 6) Pa in cylindrical axes, point g at azimuth j stands at g M + j; see model.Model.
     fixed : (n, 3) bool, directions r, theta, z held at zero in all harmonics; the axis takes care of itself.
@@ -196,6 +197,12 @@ class FourierModel:
     contact_laws: tuple[ContactLaw, ...] = (coulomb.LAW,)
     contact_law: np.ndarray | None = None
     linear: LinearRings | None = None
+    whole: bool = False
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Number k (K,) of each slot of the series."""
+        return elements.numbers(self.harmonics, self.whole)
 
     @property
     def n_soil(self) -> int:
@@ -204,8 +211,8 @@ class FourierModel:
 
     @property
     def displacement_shape(self) -> tuple[int, int, int]:
-        """Shape (n, 3, N + 1) of the coefficients of the displacement along r, theta and z."""
-        return self.mesh.n_nodes, 3, self.harmonics + 1
+        """Shape (n, 3, K) of the coefficients of the displacement along r, theta and z."""
+        return self.mesh.n_nodes, 3, len(self.numbers)
 
     @property
     def n_pressures(self) -> int:
@@ -247,5 +254,7 @@ class FourierModel:
         for name, (got, expected) in shapes.items():
             if got != expected:
                 raise ModelError(f"{name} has shape {got}, expected {expected}")
-        if self.azimuths <= self.harmonics:
+        if self.whole and (self.water is not None or self.linear is not None):
+            raise ModelError("a series around the whole circle has neither water nor linear elements")
+        if self.azimuths < len(self.numbers):
             raise ModelError(f"{self.azimuths} azimuths cannot resolve {self.harmonics} harmonics: take more")

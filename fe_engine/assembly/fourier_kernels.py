@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Compiled loops over the points of a Fourier model: soil, its tangent, and contact; nothing is decided here.
 
-Coefficients, and the forces on them, are arrays (n, 3, K), K = N + 1. One thread: sums have one order.
+Coefficients, and the forces on them, are arrays (n, 3, K), see elements.fourier. One thread: sums have one order.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from fe_engine.soil.viscous import relax
 
 
 class Soil(NamedTuple):
-    """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), weight: radians of one azimuth.
+    """Section elements (ne, 8), see elements.fourier; waves (M, K, 2), numbers (K,) float, weight:
+    radians of one azimuth.
 
     law (ne,) codes, parameters (ne, r, n), moduli (ne, r, 2) K and G in Pa: see material.soil_rows. relaxed: see
     soil.viscous. Layout of stress and history: see state.Fields.
@@ -34,6 +35,7 @@ class Soil(NamedTuple):
     gradient: np.ndarray
     volume: np.ndarray
     waves: np.ndarray
+    numbers: np.ndarray
     weight: float
     law: np.ndarray
     parameters: np.ndarray
@@ -110,7 +112,7 @@ def _point_forces(soil, at, states, with_tangent, out, room):
     n_azimuths, (_, strains, stresses, strain, change, c) = soil.waves.shape[0], room
     row, code, volume = row_of(soil.moduli, g), soil.law[e], soil.weight * soil.volume[e, g]
     p, moduli = soil.parameters[e, row], soil.moduli[e, row]
-    amplitudes(soil.gradient[e, g], room.move, strains)  # E_k
+    amplitudes(soil.gradient[e, g], room.move, soil.numbers, strains)  # E_k
     stresses[:] = 0.0
     for j in range(n_azimuths):
         point = g * n_azimuths + j
@@ -132,7 +134,7 @@ def _point_forces(soil, at, states, with_tangent, out, room):
             for i in range(6):
                 for m in range(6):
                     tangent[e, point, m, i] = volume * soil.relaxed * c[i, m]
-    add_force(soil.gradient[e, g], stresses, soil.quads[e], force)
+    add_force(soil.gradient[e, g], stresses, soil.numbers, soil.quads[e], force)
     return OK
 
 
@@ -164,7 +166,7 @@ def _element_product(soil, e, regime, tangent, x, out, room):
             for k in range(move.shape[2]):
                 move[a, i, k] = x[n, i, k]
     for g in range(4):
-        amplitudes(soil.gradient[e, g], move, strains)
+        amplitudes(soil.gradient[e, g], move, soil.numbers, strains)
         stresses[:] = 0.0
         for j in range(n_azimuths):
             point = g * n_azimuths + j
@@ -173,7 +175,7 @@ def _element_product(soil, e, regime, tangent, x, out, room):
             strain_at(strains, soil.waves[j], strain)
             _times(tangent[point], strain, stress)
             add_amplitudes(stress, soil.waves[j], 1.0, stresses)
-        add_force(soil.gradient[e, g], stresses, soil.quads[e], out)
+        add_force(soil.gradient[e, g], stresses, soil.numbers, soil.quads[e], out)
 
 
 @lean
@@ -202,7 +204,7 @@ def soil_work(soil, old, new):
         for g in range(4):
             row = row_of(soil.moduli, g)
             bulk, shear = soil.moduli[e, row, 0], soil.moduli[e, row, 1]
-            amplitudes(soil.gradient[e, g], move, strains)
+            amplitudes(soil.gradient[e, g], move, soil.numbers, strains)
             volume = soil.weight * soil.volume[e, g]
             for j in range(n_azimuths):
                 point = g * n_azimuths + j
@@ -226,7 +228,7 @@ def strain_step(soil, e, point, old, new):
     n_azimuths, n_waves = soil.waves.shape[0], soil.waves.shape[1]
     move, strains, strain = np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty(6)
     gather(soil.quads[e], new, old, move)
-    amplitudes(soil.gradient[e, point // n_azimuths], move, strains)
+    amplitudes(soil.gradient[e, point // n_azimuths], move, soil.numbers, strains)
     strain_at(strains, soil.waves[point % n_azimuths], strain)
     return strain
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fe_engine.elements import fourier as elements
 from fe_engine.errors import ModelError
 from fe_engine.fourier_model import FourierModel, SectionMesh
 
@@ -18,6 +19,7 @@ class FourierPattern:
     held : (n, 3, K) bool; n_unknowns : number of the others. retained, interface : (nk,) nodes with stations and (m,)
     equations of what they have free; ``place`` (n, 3, K) is where a coefficient stands among these, or -1.
     On the axis u_r = U cos(theta) and u_theta = -U sin(theta): V is held there, and follows U.
+    ``ones`` are the slots of k = 1.
     Equations of the pressures (np, K) stand behind those of the displacements; ``pressure_held`` (np, K) are those that
     are held, and ``film_place`` (np, K) is where those of the film stand in the interface, or -1.
     Where linear elements stand on the other side of the stations, ``opposite`` (nk,) are their nodes there, and
@@ -25,7 +27,7 @@ class FourierPattern:
 
     ::
 
-        unknowns (n_free,)  | node 0: U_0..U_N V_0..V_N W_0..W_N | node 1 .. | p 0: P_0..P_N | p 1 .. | film .. |
+        unknowns (n_free,)  | node 0: all U, all V, all W        | node 1 .. | p 0: P_0..P_N | p 1 .. | film .. |
                             |<-------------- n_moving = 3 n K -------------->|<---------- np K ---------------->|
         interface (m,)      | what is free of retained nodes | what is free of the film |    numbers of the row above
     """
@@ -39,6 +41,7 @@ class FourierPattern:
     film_place: np.ndarray
     opposite: np.ndarray
     beyond: np.ndarray
+    ones: slice
 
     @property
     def n_moving(self) -> int:
@@ -62,14 +65,14 @@ class FourierPattern:
 
     def folded(self, force: np.ndarray) -> np.ndarray:
         """Return the forces (n, 3, K) on the coefficients that are free, in place, in a row (n_moving,)."""
-        force[self.axis, 0, 1:2] -= force[self.axis, 1, 1:2]  # V = -U there: its force goes to U
+        force[self.axis, 0, self.ones] -= force[self.axis, 1, self.ones]  # V = -U there: its force goes to U
         force[self.held] = 0.0
         return force.ravel()
 
     def unfolded(self, x: np.ndarray) -> np.ndarray:
         """Return all coefficients (n, 3, K) from those that are free (n_moving,)."""
         move = x.reshape(self.held.shape).copy()
-        move[self.axis, 1, 1:2] = -move[self.axis, 0, 1:2]
+        move[self.axis, 1, self.ones] = -move[self.axis, 0, self.ones]
         return move
 
     def facing(self, move: np.ndarray) -> np.ndarray:
@@ -108,18 +111,24 @@ class FourierPattern:
         )  # fmt: skip
 
 
-def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int) -> np.ndarray:
+def held_coefficients(mesh: SectionMesh, fixed: np.ndarray, harmonics: int, whole: bool = False) -> np.ndarray:
     """Return whether each coefficient (n, 3, K) is held, for fixed directions (n, 3).
 
-    On the axis the motion is one of the whole cross-section: along z for k = 0, along x for k = 1, none for others.
+    On the axis the motion is one of the whole cross-section: along z for k = 0, along x or y for k = 1, none else.
     """
-    axis, held = mesh.on_axis, np.zeros((mesh.n_nodes, 3, harmonics + 1), dtype=bool)
+    axis, slots = mesh.on_axis, len(elements.numbers(harmonics, whole))
+    held = np.zeros((mesh.n_nodes, 3, slots), dtype=bool)
     held[fixed] = True
-    held[:, 1, 0] = True  # no torsion
-    held[axis, 0, 0] = True  # u_r = 0 on the axis
+    held[:, 1, 0] |= not whole  # no torsion of a half
+    held[axis, :2, 0] = True  # u_r = u_theta = 0 on the axis
     held[axis, :, 1:] = True
-    held[axis, 0, 1:2] = fixed[axis, :1]  # u_r = U cos(theta), u_theta = -U sin(theta): along x
+    held[axis, 0, slots_of_one(harmonics)] = fixed[axis, :1]  # u_r = U cos(theta), u_theta = -U sin(theta): along x
     return held
+
+
+def slots_of_one(harmonics: int) -> slice:
+    """Return the slots of k = 1 in an axis (K,): one of each family; none without harmonics."""
+    return slice(1, None, harmonics) if harmonics else slice(1, 1)
 
 
 def hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
@@ -149,7 +158,8 @@ def held_pressures(fixed: np.ndarray, on_axis: np.ndarray, harmonics: int) -> np
 
 def make_pattern(model: FourierModel) -> FourierPattern:
     """Return numbers for all equations."""
-    axis, held = model.mesh.on_axis, held_coefficients(model.mesh, model.fixed, model.harmonics)
+    ones, axis = slots_of_one(model.harmonics), model.mesh.on_axis
+    held = held_coefficients(model.mesh, model.fixed, model.harmonics, model.whole)
     retained, first = np.unique(model.stations.nodes[:, 0], return_index=True)
     if axis[retained].any():
         raise ModelError("a station stands on the axis, where it has no area")
@@ -172,4 +182,4 @@ def make_pattern(model: FourierModel) -> FourierPattern:
         there = np.ravel_multi_index((opposite[at], i, k), held.shape)
         beyond[: len(interface)] = np.where(held.ravel()[there], -1, there)
     interface = np.concatenate([interface, held.size + np.flatnonzero(film)])
-    return FourierPattern(held, axis, retained, interface, place, still, film_place, opposite, beyond)
+    return FourierPattern(held, axis, retained, interface, place, still, film_place, opposite, beyond, ones)

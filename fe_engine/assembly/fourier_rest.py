@@ -72,8 +72,9 @@ class SoilAtRest:
         self._free = self.inside >= 0
         size = int(np.count_nonzero(self._free))
         self.matrix = np.zeros((size, size))
-        for k, block in enumerate(factors.schur):
-            at = self.inside[..., k].ravel()
+        for m in range(self.shape[2]):
+            at, n = self.inside[..., m].ravel(), len(factors.schur)
+            block = factors.schur[m if m < n else m - n + 1]
             free = at >= 0
             self.matrix[np.ix_(at[free], at[free])] = block[np.ix_(free, free)]
 

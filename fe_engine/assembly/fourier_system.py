@@ -63,10 +63,11 @@ class FourierSystem:
         self.model = model
         self.time_step, self.sealed = 0.0, False
         gradient, volume = elements.geometry(model.mesh.nodes, model.mesh.quads)
-        waves = elements.waves(elements.azimuths(model.azimuths), model.harmonics)
+        waves = elements.waves(elements.azimuths(model.azimuths, model.whole), model.harmonics, model.whole)
+        weight = elements.span(model.whole) / model.azimuths
         self.soil = kernels.Soil(
-            np.ascontiguousarray(model.mesh.quads, dtype=np.int64), gradient, volume, waves, np.pi / model.azimuths,
-            *soil_rows(model), model.initial_stress, 1.0,
+            np.ascontiguousarray(model.mesh.quads, dtype=np.int64), gradient, volume, waves,
+            model.numbers.astype(float), weight, *soil_rows(model), model.initial_stress, 1.0,
         )  # fmt: skip
         self.soil_forces = kernels.soil_forces_of(self.soil.law)
         self.pattern = make_pattern(model)
@@ -94,8 +95,9 @@ class FourierSystem:
         moduli, number = np.unique(self.soil.moduli.reshape(-1, 2), axis=0, return_inverse=True)
         each_point = np.array([_elastic(*each) for each in moduli])[number.ravel()]  # C of each pair of K and G
         tangent = np.broadcast_to(each_point.reshape(model.mesh.n_elements, -1, 6, 6), (*volume.shape, 6, 6))
-        waves = range(model.harmonics + 1)
-        stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in waves])
+        stiffness = np.array(
+            [elements.stiffness(gradient, volume, tangent, k, model.whole) for k in range(model.harmonics + 1)]
+        )
         hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
         return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held[: model.n_soil])
 
@@ -190,7 +192,7 @@ class FourierSystem:
     def _water(self, state: State, forces: tuple) -> tuple[np.ndarray, float]:
         """Add the forces of the water; return its rows (np, K) and the sum of squares of its volumes, m6."""
         if self.water is None:
-            return np.zeros((0, self.model.harmonics + 1)), 0.0
+            return np.zeros((0, len(self.model.numbers))), 0.0
         gaps, step = (self.gaps(state.committed), self.gaps(state.trial)), self.water.step(self.time_step)
         return self.water.add(step, state.committed, state.trial, gaps, forces)
 
@@ -236,10 +238,14 @@ class FourierSystem:
         nodes = np.unique(self.model.mesh.quads[yields])
         return self.pattern.equation[nodes].ravel(), self.factors.near(nodes)
 
-    def contact_matrix(self, tangent: FourierTangent) -> np.ndarray:
-        """Return the tangent (m + nb, m + nb) of contact and film: equations of the interface, then the border."""
+    def contact_matrix(self, tangent: FourierTangent, out: np.ndarray | None = None) -> np.ndarray:
+        """Return the tangent (m + nb, m + nb) of contact and film: equations of the interface, then the border.
+
+        It is written into ``out`` where that is given.
+        """
         size = len(self.pattern.interface) + self.model.n_border
-        out = np.zeros((size, size))
+        out = np.empty((size, size)) if out is None else out
+        out[...] = 0.0
         place = self.pattern.place[self.contact.node]
         kernels.contact_matrix(self.contact, tangent.contact, place, out)
         if self.water is not None and tangent.film is not None:
@@ -303,7 +309,7 @@ class FourierSystem:
             k, what = (equation - n) % (self.model.harmonics + 1), "pore pressure"
         else:
             _, component, k = (int(i) for i in np.unravel_index(equation, self.model.displacement_shape))
-            what = f"direction {('r', 'theta', 'z')[component]}"
+            k, what = self.model.numbers[k], f"direction {('r', 'theta', 'z')[component]}"
         return f"node {node} of {element}, harmonic {k}, {what}, at r={r:.3f}, z={z:.3f} m"
 
     @property
@@ -329,7 +335,7 @@ def _elastic(bulk: float, shear: float) -> np.ndarray:
 def _contact(model: FourierModel, packed: PackedStations) -> kernels.Contact:
     """Return the stations with their operators on the coefficients of their nodes."""
     s = model.stations
-    wave = elements.waves(s.azimuth, model.harmonics)
+    wave = elements.waves(s.azimuth, model.harmonics, model.whole)
     c, d = np.cos(s.azimuth), np.sin(s.azimuth)
     turn = np.zeros((len(s), 3, 3))  # global from cylindrical components
     turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1], turn[:, 2, 2] = c, -d, d, c, 1.0  # e_r, e_theta in x, y

@@ -26,7 +26,8 @@ from fe_engine.errors import LinearSolverError
 
 LANES = 4
 _SYMMETRIC = {"SymmetricMode": True}
-_Group = tuple[int, int, np.ndarray, np.ndarray]  # first harmonic, their number, L below its diagonal, inverted pivots
+# first lane in use, first slot in it, number of slots, L below its diagonal, inverted pivots
+_Group = tuple[int, int, int, np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -42,11 +43,14 @@ class Near:
 
 
 class HarmonicFactors:
-    """Factors for vectors (n, 3, K) on the nodes of a section, K harmonics.
+    """Factors for vectors (n, 3, K) on the nodes of a section, K slots (see elements.fourier).
+
+    Both families of a whole circle go through the same factors.
 
     Attributes
     ----------
-    retained : (nk,) nodes that are not eliminated; schur : (K, 3 nk, 3 nk), three rows a node.
+    retained : (nk,) nodes that are not eliminated; schur : (N + 1, 3 nk, 3 nk) of each
+        harmonic, three rows a node.
     """
 
     def __init__(self, elements: np.ndarray, retained: np.ndarray, stiffness: np.ndarray, held: np.ndarray) -> None:
@@ -54,12 +58,12 @@ class HarmonicFactors:
 
         Parameters
         ----------
-        elements : (ne, nn) nodes; retained : (nk,) nodes that stay; stiffness : (K, ne, 3 nn, 3 nn) of each harmonic.
-        held : (n, 3, K) bool, where a unit row and column stand; no stiffness may be there.
+        elements : (ne, nn) nodes; retained : (nk,) nodes that stay; stiffness : (N + 1, ne, 3 nn, 3 nn) of each
+            harmonic.
+        held : (n, 3, K) bool, where a unit row and column stand; no stiffness may be there; alike in both families.
         """
-        n_waves = len(stiffness)
-        n = len(held)
-        self.retained, self.n_waves, self._n = retained, n_waves, n
+        n_waves, n = len(stiffness), len(held)
+        self.retained, self.n_waves, self._n = retained, held.shape[2], n
         self._node, self._pointer, self._row = _symbolic(elements, retained, n)
         self._place = np.empty(n, dtype=np.int64)
         self._place[self._node] = np.arange(n)
@@ -73,7 +77,7 @@ class HarmonicFactors:
             for lane, k in enumerate(ks):
                 _assemble(numbers, stiffness[k], self._pointer, self._row, lane, diagonal, lower)
             unit = np.ones((n, 3, LANES), dtype=bool)
-            unit[:, :, : len(ks)] = held[self._node][:, :, first : first + LANES]
+            unit[:, :, : len(ks)] = held[self._node][:, :, first : first + len(ks)]
             node, i, lane_of = np.nonzero(unit)
             diagonal[node, i, i, lane_of] = 1.0
             inverse = np.zeros((self._n_eliminated, 3, 3, LANES))
@@ -82,10 +86,14 @@ class HarmonicFactors:
             for lane, k in enumerate(ks):
                 self.schur[k] = self._dense(diagonal[..., lane], lower[..., lane])
             used = self._pointer[self._n_eliminated]
-            self._groups.append((first, len(ks), np.ascontiguousarray(lower[:used]), inverse))
+            factors = np.ascontiguousarray(lower[:used]), inverse
+            self._groups.append((0, first, len(ks), *factors))
+            if self.n_waves > n_waves:
+                lane = int(first == 0)
+                self._groups.append((lane, n_waves - 1 + first + lane, len(ks) - lane, *factors))
         self._single: list[_Group] = [
-            (first, count, lower.astype(np.float32), inverse.astype(np.float32))
-            for first, count, lower, inverse in self._groups
+            (lane, first, count, lower.astype(np.float32), inverse.astype(np.float32))
+            for lane, first, count, lower, inverse in self._groups
         ]
         self._all = Near(self._node, np.arange(n), np.arange(self._n_eliminated))
 
@@ -100,11 +108,11 @@ class HarmonicFactors:
         Where nodes are given, there must be nothing in it on others.
         """
         swept, left, at = [], np.empty((len(self.retained), 3, self.n_waves)), near or self._all
-        for first, count, lower, inverse in self._single if near else self._groups:
+        for lane, first, count, lower, inverse in self._single if near else self._groups:
             x = np.zeros((self._n, 3, LANES), dtype=lower.dtype)
-            _put(at.node, at.place, rhs, first, count, x)
+            _put(at.node, at.place, rhs, lane, first, count, x)
             _forward(at.columns, self._pointer, self._row, lower, inverse, x)
-            left[:, :, first : first + count] = x[self._n_eliminated :, :, :count]
+            left[:, :, first : first + count] = x[self._n_eliminated :, :, lane : lane + count]
             swept.append(x)
         return swept, left
 
@@ -114,10 +122,10 @@ class HarmonicFactors:
         Where nodes are given, those of others are 0.
         """
         out, at = np.zeros((self._n, 3, self.n_waves)), near or self._all
-        for (first, count, lower, _), x in zip(self._single if near else self._groups, swept, strict=True):
-            x[self._n_eliminated :, :, :count] = retained[:, :, first : first + count]
+        for (lane, first, count, lower, _), x in zip(self._single if near else self._groups, swept, strict=True):
+            x[self._n_eliminated :, :, lane : lane + count] = retained[:, :, first : first + count]
             _backward(at.columns, self._pointer, self._row, lower, x)
-            _take(at.node, at.place, x, first, count, out)
+            _take(at.node, at.place, x, lane, first, count, out)
         return out
 
     def _dense(self, diagonal: np.ndarray, lower: np.ndarray) -> np.ndarray:
@@ -255,19 +263,19 @@ def _columns(place, n_eliminated, pointer, row):
 
 
 @njit
-def _put(node, place, rhs, first, count, x):
+def _put(node, place, rhs, lane, first, count, x):
     for j in range(len(node)):
         for i in range(3):
             for k in range(count):
-                x[place[j], i, k] = rhs[node[j], i, first + k]
+                x[place[j], i, lane + k] = rhs[node[j], i, first + k]
 
 
 @njit
-def _take(node, place, x, first, count, out):
+def _take(node, place, x, lane, first, count, out):
     for j in range(len(node)):
         for i in range(3):
             for k in range(count):
-                out[node[j], i, first + k] = x[place[j], i, k]
+                out[node[j], i, first + k] = x[place[j], i, lane + k]
 
 
 @njit

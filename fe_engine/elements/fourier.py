@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Eight-node serendipity elements in (r, z), with Fourier series in azimuth over half a revolution.
+"""Eight-node serendipity elements in (r, z), with Fourier series in azimuth over half a revolution, or a whole one.
 
     u_r = sum_k U_k cos(k theta),   u_theta = sum_k V_k sin(k theta),   u_z = sum_k W_k cos(k theta),   k = 0 .. N
+
+Over a whole revolution u_theta of k = 0 is a constant V_0 (torsion), and behind these N + 1 slots stand N of the other
+family, cos(k theta - pi/2) and sin(k theta - pi/2): sin, -cos, sin of k theta, k = 1 .. N. Either family has the same
+strain operator and elastic stiffness. K is the number of slots, N + 1 or 2 N + 1.
 
 Cylindrical axes (r, theta, z), z down, take the places of x, y, z in vectors and in Voigt order (rr tt zz rt tz zr).
 The strains of a harmonic have amplitudes E_k (6,); the shears rt and tz go with sin(k theta), the others with
@@ -68,18 +72,34 @@ def gauss_positions(nodes: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.einsum("ga,eai->egi", values, nodes[quads])
 
 
-def azimuths(number: int) -> np.ndarray:
+def span(whole: bool) -> float:
+    """Return the angle of the revolution that a series goes through, rad."""
+    return 2.0 * np.pi if whole else np.pi
+
+
+def azimuths(number: int, whole: bool = False) -> np.ndarray:
     """Return equidistant azimuths (number,) of the half circle, the middles of its parts; the weight is pi/number.
 
-    Their sums integrate products of two harmonics exactly as long as the sum of their numbers is below 2 number.
+    Their sums integrate products of two harmonics exactly as long as the sum of their numbers is below 2 number; those
+    of the whole circle, with the weight 2 pi/number, as long as it is below number.
     """
-    return (np.arange(number) + 0.5) * np.pi / number
+    return (np.arange(number) + 0.5) * span(whole) / number
 
 
-def waves(angle: np.ndarray, harmonics: int) -> np.ndarray:
-    """Return cos and sin (len(angle), N + 1, 2) of k times each angle, k = 0 .. N."""
+def numbers(harmonics: int, whole: bool = False) -> np.ndarray:
+    """Return the number k (K,) of each slot."""
+    k = np.arange(harmonics + 1)
+    return np.concatenate([k, k[1:]]) if whole else k
+
+
+def waves(angle: np.ndarray, harmonics: int, whole: bool = False) -> np.ndarray:
+    """Return cos and sin (len(angle), K, 2) of k times each angle, as they stand in u_r and u_theta."""
     product = np.multiply.outer(np.asarray(angle, dtype=float), np.arange(harmonics + 1))
-    return np.stack([np.cos(product), np.sin(product)], axis=-1)
+    wave = np.stack([np.cos(product), np.sin(product)], axis=-1)
+    if not whole:
+        return wave
+    wave[:, 0, 1] = 1.0  # torsion
+    return np.concatenate([wave, wave[:, 1:, ::-1] * [1.0, -1.0]], axis=1)
 
 
 def strain_operator(gradient: np.ndarray, k: int) -> np.ndarray:
@@ -95,24 +115,25 @@ def strain_operator(gradient: np.ndarray, k: int) -> np.ndarray:
     return b
 
 
-def stiffness(gradient: np.ndarray, volume: np.ndarray, tangent: np.ndarray, k: int) -> np.ndarray:
-    """Return the stiffnesses (ne, 24, 24) of harmonic k over half a circle for isotropic tangents (ne, 4, 6, 6), Pa."""
+def stiffness(gradient: np.ndarray, volume: np.ndarray, tangent: np.ndarray, k: int, whole: bool = False) -> np.ndarray:
+    """Return the stiffnesses (ne, 24, 24) of harmonic k for isotropic tangents (ne, 4, 6, 6), Pa."""
     b = strain_operator(gradient, k)
-    # int cos^2 and int sin^2 of k theta over 0 .. pi
-    cosine, sine = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)
-    weight = np.array([cosine, cosine, cosine, sine, sine, cosine])
+    # int cos^2 and int sin^2 of k theta; V_0 is constant
+    cosine, sine = (1.0, float(whole)) if k == 0 else (0.5, 0.5)
+    weight = span(whole) * np.array([cosine, cosine, cosine, sine, sine, cosine])
     by_harmonic: np.ndarray = np.einsum("egir,i,egij,egjs,eg->ers", b, weight, tangent, b, volume, optimize=True)
     return by_harmonic
 
 
 @lean
-def amplitudes(gradient, move, out):
-    """Write the strain amplitudes (K, 6) of coefficients (8, 3, K) at a point with gradient (3, 8)."""
-    for k in range(move.shape[2]):
+def amplitudes(gradient, move, numbers, out):
+    """Write the strain amplitudes (K, 6) of coefficients (8, 3, K) of slots (K,) at a point with gradient (3, 8)."""
+    for m in range(move.shape[2]):
+        k = numbers[m]
         r_r, r_z, r_h, t_r, t_z, t_h, z_r, z_z, z_h = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for a in range(8):
             d_r, d_z, h = gradient[0, a], gradient[1, a], gradient[2, a]
-            u, v, w = move[a, 0, k], move[a, 1, k], move[a, 2, k]
+            u, v, w = move[a, 0, m], move[a, 1, m], move[a, 2, m]
             r_r += d_r * u
             r_z += d_z * u
             r_h += h * u
@@ -122,25 +143,25 @@ def amplitudes(gradient, move, out):
             z_r += d_r * w
             z_z += d_z * w
             z_h += h * w
-        out[k, 0] = r_r
-        out[k, 1] = r_h + k * t_h  # see strain_operator
-        out[k, 2] = z_z
-        out[k, 3] = t_r - t_h - k * r_h
-        out[k, 4] = t_z - k * z_h
-        out[k, 5] = r_z + z_r
+        out[m, 0] = r_r
+        out[m, 1] = r_h + k * t_h  # see strain_operator
+        out[m, 2] = z_z
+        out[m, 3] = t_r - t_h - k * r_h
+        out[m, 4] = t_z - k * z_h
+        out[m, 5] = r_z + z_r
 
 
 @lean
-def add_force(gradient, amplitude, nodes, force):
+def add_force(gradient, amplitude, numbers, nodes, force):
     """Add the forces (n, 3, K) of stress amplitudes (K, 6) on the nodes (8,): the transpose of `amplitudes`."""
-    for k in range(amplitude.shape[0]):
-        s = amplitude[k]
+    for m in range(amplitude.shape[0]):
+        k, s = numbers[m], amplitude[m]
         radial, around, vertical = s[1] - k * s[3], k * s[1] - s[3], -k * s[4]  # what the rows of N/r collect
         for a in range(8):
             d_r, d_z, h, n = gradient[0, a], gradient[1, a], gradient[2, a], nodes[a]
-            force[n, 0, k] += d_r * s[0] + h * radial + d_z * s[5]
-            force[n, 1, k] += d_r * s[3] + h * around + d_z * s[4]
-            force[n, 2, k] += d_r * s[5] + h * vertical + d_z * s[2]
+            force[n, 0, m] += d_r * s[0] + h * radial + d_z * s[5]
+            force[n, 1, m] += d_r * s[3] + h * around + d_z * s[4]
+            force[n, 2, m] += d_r * s[5] + h * vertical + d_z * s[2]
 
 
 @lean

@@ -16,6 +16,7 @@ all of P^-1.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -61,6 +62,7 @@ class FourierStage:
         self.n_factorisations = self.n_solves = self.n_iterations = 0
         self.worst_residual = 0.0
         self.bounds = _BOUNDS
+        self._room = _Room({})
 
     # --- Newton's questions ---
 
@@ -112,7 +114,7 @@ class FourierStage:
     def _preconditioner(self, tangent: FourierTangent, control: Control) -> Preconditioner:
         with self.clock.phase("factorisation"):
             self.n_factorisations += 1
-            return Preconditioner(self.system, tangent, control)
+            return Preconditioner(self.system, tangent, control, self._room)
 
     def _solve(
         self, p: Preconditioner, tangent: FourierTangent, rhs: np.ndarray, share: float, size: float | None
@@ -161,21 +163,36 @@ class FourierStage:
         raise LinearSolverError(f"GMRES leaves {abs(rhs[most]) / size:.1e} of the forces after {most} iterations")
 
 
+@dataclass(frozen=True)
+class _Room:
+    """Arrays that serve one step after the other: fresh pages of memory cost as much as the factorisation."""
+
+    arrays: dict[tuple[str, int], np.ndarray]
+
+    def square(self, name: str, size: int) -> np.ndarray:
+        """Return an array (size, size) in Fortran's order, with what the last user left in it."""
+        if (name, size) not in self.arrays:
+            self.arrays[name, size] = np.empty((size, size), order="F")
+        return self.arrays[name, size]
+
+
 class Preconditioner:
     """P, inverted: elastic soil, contact of one tangent, and a border of which some motions are free.
 
     Vectors are (n + k,): free equations, then the free motions of the border or its forces along them. size : n + k.
+    The next one of a room takes its place.
     """
 
-    def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control) -> None:
+    def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control, room: _Room) -> None:
         self.n, self.control = system.pattern.n_free, control
         self._pattern, self._rest = system.pattern, system.at_rest(tangent.time_step)
         m = self._m = len(self._pattern.interface)
-        self._contact = contact = system.contact_matrix(tangent)
+        whole = room.square("contact", m + system.model.n_border).T
+        self._contact = contact = system.contact_matrix(tangent, whole)
         k = control.motions.shape[1]
         self.size = self.n + k
-        matrix = np.empty((m + k, m + k), order="F")
-        matrix[:m, :m] = self._rest.matrix + contact[:m, :m]
+        matrix = room.square("sum", m + k)
+        np.add(self._rest.matrix, contact[:m, :m], out=matrix[:m, :m])
         matrix[:m, m:] = contact[:m, m:] @ control.motions
         matrix[m:, :m] = control.forces.T @ contact[m:, :m]
         matrix[m:, m:] = control.forces.T @ contact[m:, m:] @ control.motions

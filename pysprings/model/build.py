@@ -3,8 +3,8 @@
 
 The engine has z down and y to the right of x, seen from above: its rotation about +y is positive where the tip of a
 skirt moves towards +x. Everywhere else in pysprings rotation and M are positive where the caisson leans in the
-direction of a positive H: about y to the left of x, with z up. Here the sign turns, and nowhere else: the third border
-dof of a model is the rotation of the field, so its force is the M of the field.
+direction of a positive H: about y to the left of x, with z up. Here signs turn, and nowhere else: the border dofs of a
+model are those of the field (with w and V down), so its forces are those of the field.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fe_engine.conventions import ROTATION
 from fe_engine.elements import hex8, interface, rigid, solid_shell
 from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
@@ -100,7 +99,7 @@ def build_on(scene: Scene, caisson: CaissonMesh) -> Built:
         initial_stress=initial_stress(scene, depth),
         fixed=fixed,
         frames=frames,
-        n_border=rigid.N_DOFS,
+        n_border=len(rigid.PLANE),
         border_scale=np.array([1.0, 1.0, geometry.outer_radius]),
         stations=stations,
         contact=contact,
@@ -230,16 +229,18 @@ def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[i
 # --- signs of the field in a model of the engine ---
 
 Array = NDArray[np.float64]
+# u_x, u_y, w, rot_x, rot_y, rot_z of the field over those of the engine
+SIGNS = np.array([1.0, -1.0, 1.0, 1.0, -1.0, -1.0])
 
 
-def body_operator(position: Array) -> Array:
-    """Return R (n, 3, 3) with displacement = R @ (u, w, rotation) at positions (n, 3) [m], about the lid centre.
+def body_operator(position: Array, dofs: tuple[int, ...] = rigid.PLANE) -> Array:
+    """Return R (n, 3, nb) with displacement = R @ q at positions (n, 3) [m] of the engine, about the lid centre.
 
-    u_x = u - rotation z and u_z = w + rotation x, z down.
+    q are these of u_x, u_y, w, rot_x, rot_y, rot_z; by default (u, w, rotation): u_x = u - rotation z and
+    u_z = w + rotation x, z down.
     """
-    operator = rigid.displacement_operator(position, np.zeros(3))
-    operator[:, :, ROTATION] *= -1.0
-    return operator
+    operator = rigid.displacement_operator(position, np.zeros(3)) * SIGNS
+    return np.ascontiguousarray(operator[:, :, dofs])
 
 
 def moments(position: Array, force: Array) -> Array:

@@ -40,17 +40,20 @@ def section(r: np.ndarray, z: np.ndarray) -> SectionMesh:
 
 def disc(
     harmonics: int = 2, law: SoilLaw = plasol.LAW, contact: tuple = CONTACT, skew: bool = False,
-    pressure: float = 2.0e4, **changes: float,
+    pressure: float = 2.0e4, whole: bool = False, **changes: float,
 ) -> FourierModel:  # fmt: skip
     """Return a cylinder of soil (radius 3 m, depth 2 m, roller, fixed base) under a rigid disc of radius 1 m.
 
     ``skew`` turns the frames of the stations at random, and puts an elastic soil into some elements.
+    ``whole``: around the whole circle, with six degrees of freedom.
     """
     mesh = section(np.array([0.0, 0.5, 1.0, 1.9, 3.0]), np.array([0.0, 0.4, 1.0, 2.0]))
     fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
     fixed[mesh.node_sets["side"], 0] = True
     fixed[mesh.node_sets["bottom"]] = True
-    m, azimuth, rng = harmonics + 3, elements.azimuths(harmonics + 1), np.random.default_rng(4)
+    m, rng = (2 * harmonics + 5 if whole else harmonics + 3), np.random.default_rng(4)
+    azimuth = elements.azimuths(2 * harmonics + 1 if whole else harmonics + 1, whole)
+    body = rigid.displacement_operator if whole else rigid.in_plane
     top = mesh.node_sets["top"]
     under = top[(mesh.nodes[top, 0] > 0.0) & (mesh.nodes[top, 0] <= 1.0)]
     node, angle = np.repeat(under, len(azimuth)), np.tile(azimuth, len(under))
@@ -60,16 +63,17 @@ def disc(
     if skew:
         frame = np.array([rotation_matrix(tuple(rng.normal(size=3)), 0.4) for _ in node]) @ frame
     stations = RingStations(
-        position, frame, 0.3 * r * np.pi / len(azimuth), node[:, None], np.ones((len(node), 1)),
-        rigid.displacement_operator(position, np.zeros(3)), np.zeros(len(node), dtype=np.int64), angle,
+        position, frame, 0.3 * r * elements.span(whole) / len(azimuth), node[:, None], np.ones((len(node), 1)),
+        body(position, np.zeros(3)), np.zeros(len(node), dtype=np.int64), angle,
     )  # fmt: skip
+    n_border = stations.body.shape[2]
     depth = np.repeat(elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1], m, axis=1)
     stress = np.zeros((*depth.shape, 6))
     stress[..., :3] = -(pressure + 1.0e4 * depth)[..., None]
     return FourierModel(
         mesh, harmonics, m, [soil(law, **changes), soil(elastic.LAW, young=5.0e7)],
-        (np.arange(mesh.n_elements) % 4 == 3).astype(int) * int(skew), stress, fixed, 3, np.array([1.0, 1.0, 1.0]),
-        stations, np.tile(coulomb.pack(*contact), (len(node), 1)), np.full(len(node), pressure),
+        (np.arange(mesh.n_elements) % 4 == 3).astype(int) * int(skew), stress, fixed, n_border, np.ones(n_border),
+        stations, np.tile(coulomb.pack(*contact), (len(node), 1)), np.full(len(node), pressure), whole=whole,
     )  # fmt: skip
 
 
@@ -155,7 +159,7 @@ def random_move(system: FourierSystem, rng: np.random.Generator) -> tuple[np.nda
     p, n = system.pattern, system.pattern.n_moving
     free = np.concatenate([MOVE * rng.normal(size=n), PRESSURE * rng.normal(size=p.n_free - n)])
     free[np.concatenate([p.held.ravel(), p.pressure_held.ravel()])] = 0.0
-    return free, 3.0 * MOVE * rng.normal(size=3)
+    return free, 3.0 * MOVE * rng.normal(size=system.model.n_border)
 
 
 def moved(model: FourierModel, seed: int = 0, time: float = 0.0) -> tuple[FourierSystem, State, np.random.Generator]:

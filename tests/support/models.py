@@ -120,7 +120,7 @@ def body_stations(mesh: Mesh, faces: np.ndarray, reference: np.ndarray, rule: st
     """Return the stations of a rigid body on faces whose normals point into the soil."""
     nodes, weight, normal, area = placed(mesh.nodes, faces, rule)
     position = np.einsum("sa,sai->si", weight, mesh.nodes[nodes])
-    body = rigid.displacement_operator(position, reference)
+    body = rigid.in_plane(position, reference)
     return Stations(position, local_frames(normal), area, nodes, weight, body, np.zeros(len(area), dtype=np.int64))
 
 

@@ -82,7 +82,7 @@ def _disc_stations(nodes: np.ndarray, top: np.ndarray, azimuth: np.ndarray) -> R
     frame = local_frames(np.tile([0.0, 0.0, 1.0], (len(node), 1)))
     return RingStations(
         position, frame, np.repeat(strip, len(azimuth)) * np.pi / len(azimuth), node[:, None],
-        np.ones((len(node), 1)), rigid.displacement_operator(position, np.zeros(3)),
+        np.ones((len(node), 1)), rigid.in_plane(position, np.zeros(3)),
         np.zeros(len(node), dtype=np.int64), angle,
     )  # fmt: skip
 
@@ -147,7 +147,7 @@ def pile_model(pile: Pile) -> tuple[Model, float]:
     position = nodes[node]
     stations = Stations(
         position, local_frames(normal), area, np.repeat(node[:, None], 4, axis=1),
-        np.tile([1.0, 0.0, 0.0, 0.0], (len(node), 1)), rigid.displacement_operator(position, np.zeros(3)),
+        np.tile([1.0, 0.0, 0.0, 0.0], (len(node), 1)), rigid.in_plane(position, np.zeros(3)),
         np.zeros(len(node), dtype=np.int64),
     )  # fmt: skip
     kn = PENALTY * RIGIDITY * SU

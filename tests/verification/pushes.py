@@ -119,7 +119,7 @@ def put_gauss_stations(built: Built, scene: Scene, facets: bool) -> None:
     model.contact = model.contact[model.stations.surface == SURFACE["outer"]][:1]
     model.stations = Stations(
         position=position, frame=interface.local_frames(normal), area=area, nodes=nodes, weight=weight,
-        body=rigid.displacement_operator(position, np.zeros(3)), surface=surface,
+        body=rigid.in_plane(position, np.zeros(3)), surface=surface,
     )  # fmt: skip
     model.initial_pressure = initial_pressure(scene, position)
 

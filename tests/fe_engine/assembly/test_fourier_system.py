@@ -30,47 +30,57 @@ def coefficients(model):
     shape, axis = model.displacement_shape, model.mesh.nodes[:, 0] == 0.0
     number, matrix = np.arange(np.prod(shape)).reshape(shape), np.eye(int(np.prod(shape)))
     for n, i, k in np.ndindex(*shape):
-        free = not model.fixed[n, i] and not (i == 1 and k == 0)
+        free = not model.fixed[n, i] and (model.whole or not (i == 1 and k == 0))
         if axis[n]:
-            free &= (i, k) in ((2, 0), (0, 1))
+            free &= (i, model.numbers[k]) in ((2, 0), (0, 1))
         if not free:
             matrix[number[n, i, k]] = 0.0
-    for n in np.flatnonzero(axis & (shape[2] > 1)):
-        matrix[number[n, 1, 1]] = -matrix[number[n, 0, 1]]
+    for n in np.flatnonzero(axis):
+        for k in np.flatnonzero(model.numbers == 1):
+            matrix[number[n, 1, k]] = -matrix[number[n, 0, k]]
     return matrix
+
+
+def waves_at(model, theta):
+    """What multiplies u_r, u_theta, u_z of each slot at an azimuth; a whole circle has torsion and the sine family."""
+    n = model.harmonics
+    waves = [[np.cos(k * theta), np.sin(k * theta), np.cos(k * theta)] for k in range(n + 1)]
+    if model.whole:
+        waves[0][1] = 1.0
+        waves += [[np.sin(k * theta), -np.cos(k * theta), np.sin(k * theta)] for k in range(1, n + 1)]
+    return list(zip(model.numbers, waves, strict=True))
 
 
 def plain_loop(model, state):
     """Residual and tangent, dense: every point and station in turn, in the axes of the point."""
-    old, new, waves = state.committed, state.trial, model.harmonics + 1
+    old, new, nb = state.committed, state.trial, model.n_border
+    circle = 2.0 * np.pi if model.whole else np.pi
     n, reduce = int(np.prod(model.displacement_shape)), coefficients(model)
     number = np.arange(n).reshape(model.displacement_shape)
     gradient, volume = elements.geometry(model.mesh.nodes, model.mesh.quads)
-    force, stiffness = np.zeros(n + 3), np.zeros((n + 3, n + 3))
+    force, stiffness = np.zeros(n + nb), np.zeros((n + nb, n + nb))
     shift = (new.displacement - old.displacement).ravel()
     for e, quad in enumerate(model.mesh.quads):
         material = model.materials[model.material[e]]
         for point in range(4 * model.azimuths):
             g, j = divmod(point, model.azimuths)
-            theta = (j + 0.5) * np.pi / model.azimuths
+            theta = (j + 0.5) * circle / model.azimuths
             b = np.zeros((6, n))
-            for k in range(waves):
-                c, s = np.cos(k * theta), np.sin(k * theta)
+            for slot, (k, (c, s, _)) in enumerate(waves_at(model, theta)):
                 of_k = elements.strain_operator(gradient[e, g], k)
-                b[:, number[quad, :, k].ravel()] = np.array([c, c, c, s, s, c])[:, None] * of_k
+                b[:, number[quad, :, slot].ravel()] = np.array([c, c, c, s, s, c])[:, None] * of_k
             stress, history, tangent = np.zeros(6), np.zeros(1), np.zeros((6, 6))
-            weight = np.pi / model.azimuths * volume[e, g]
+            weight = circle / model.azimuths * volume[e, g]
             before, after = Point(old.stress[e, point], old.history[e, point]), Point(stress, history)
             material.law.update(material.parameters, b @ shift, before, after, tangent, True)
             force[:n] += weight * b.T @ (stress - model.initial_stress[e, point])
             stiffness[:n, :n] += weight * b.T @ tangent @ b
     s = model.stations
     for i in range(len(s)):
-        theta, jump = s.azimuth[i], np.zeros((3, n + 3))
+        theta, jump = s.azimuth[i], np.zeros((3, n + nb))
         radial, around = np.array([np.cos(theta), np.sin(theta), 0.0]), np.array([-np.sin(theta), np.cos(theta), 0.0])
-        for k in range(waves):
-            c, d = np.cos(k * theta), np.sin(k * theta)
-            local = np.stack([c * radial, d * around, c * np.array([0.0, 0.0, 1.0])], axis=1)
+        for k, (_, (c, d, e)) in enumerate(waves_at(model, theta)):
+            local = np.stack([c * radial, d * around, e * np.array([0.0, 0.0, 1.0])], axis=1)
             for node, weight in zip(s.nodes[i], s.weight[i], strict=True):
                 jump[:, number[node, :, k]] = weight * s.frame[i] @ local
         jump[:, n:] = -s.frame[i] @ s.body[i]
@@ -83,12 +93,12 @@ def plain_loop(model, state):
         force += s.area[i] * jump.T @ (traction + np.array([p0, 0.0, 0.0]))
         stiffness += s.area[i] * jump.T @ tangent @ jump
     if model.linear is not None:
-        for k, e in np.ndindex(waves, len(model.linear.quads)):
+        for k, e in np.ndindex(len(model.numbers), len(model.linear.quads)):
             at = number[model.linear.quads[e], :, k].ravel()
             force[at] += model.linear.stiffness[k, e] @ new.displacement.ravel()[at]
             stiffness[np.ix_(at, at)] += model.linear.stiffness[k, e]
-    whole = np.zeros((n + 3, n + 3))
-    whole[:n, :n], whole[n:, n:] = reduce, np.eye(3)
+    whole = np.zeros((n + nb, n + nb))
+    whole[:n, :n], whole[n:, n:] = reduce, np.eye(nb)
     return whole.T @ force, whole.T @ stiffness @ whole
 
 
@@ -106,7 +116,7 @@ def elastic_product(system, free):
     """Elastic forces of increments: those of the same model with an elastic law."""
     calm = replace(system.model, materials=_elastic_soils(system.model))
     state, rest = State(calm), FourierSystem(calm)
-    rest.apply(state, free, np.zeros(3))
+    rest.apply(state, free, np.zeros(calm.n_border))
     force = rest._soil(state, False)
     if rest.linear is not None:
         rest.linear.add_force(state.trial.displacement, force)
@@ -117,10 +127,12 @@ def _elastic_soils(model):
     return [Material(elastic.LAW, np.stack(m.law.moduli(m.parameters))) for m in model.materials]
 
 
-@pytest.mark.parametrize("body", [lambda model: model, on_plate])
-@pytest.mark.parametrize(("harmonics", "seed"), [(0, 3), (1, 2), (2, 0)])
-def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed, body):
-    model = body(disc(harmonics, contact=SOFT, skew=True))
+@pytest.mark.parametrize(("harmonics", "seed", "whole", "body"), [
+    *((*each, False, body) for body in (lambda model: model, on_plate) for each in ((0, 3), (1, 2), (2, 0))),
+    *((*each, True, lambda model: model) for each in ((0, 2), (1, 1), (2, 4))),
+])  # fmt: skip
+def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed, whole, body):
+    model = body(disc(harmonics, contact=SOFT, skew=True, whole=whole))
     system, state, rng = moved(model, seed)
     judged, linear, tangent = system.linearise(state, True)
     force, stiffness = plain_loop(model, state)
@@ -135,11 +147,12 @@ def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed, body):
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-11 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize(("seed", "relaxed", "body"), [
-    (0, 1.0, lambda model: model), (1, 1.0, on_plate), (1, 0.3, lambda model: model),
+@pytest.mark.parametrize(("seed", "relaxed", "whole", "body"), [
+    (0, 1.0, False, lambda model: model), (1, 1.0, False, on_plate), (1, 0.3, False, lambda model: model),
+    (1, 1.0, True, lambda model: model),
 ])  # fmt: skip
-def test_the_tangent_is_consistent(seed, relaxed, body):
-    model = body(disc(2, contact=SOFT, skew=True))
+def test_the_tangent_is_consistent(seed, relaxed, whole, body):
+    model = body(disc(2, contact=SOFT, skew=True, whole=whole))
     system, state, rng = moved(model, seed)
     system.relax(relaxed)
     size = system.pattern.n_free

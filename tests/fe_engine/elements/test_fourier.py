@@ -42,7 +42,7 @@ def test_strains_are_those_of_the_field_in_space(k):
         move[:, 1] = 0.0
     found = np.empty((k + 1, 6))
     for g, (r, z) in enumerate(elements.gauss_positions(nodes, quads)[0]):
-        elements.amplitudes(gradient[0, g], move, found)
+        elements.amplitudes(gradient[0, g], move, np.arange(k + 1.0), found)
         u, v, w = 2 + 3 * r - z, (1 - r + 4 * z) * (k > 0), 5 * r + 2 * z
         v_r, v_z = (-1.0, 4.0) if k else (0.0, 0.0)
         wanted = [3, (u + k * v) / r, 2, v_r - v / r - k * u / r, v_z - k * w / r, -1 + 5]
@@ -83,8 +83,8 @@ def test_forces_are_the_transpose_of_strains():
     gradient, _ = elements.geometry(nodes, np.arange(8)[None])
     move, stress = rng.normal(size=(8, 3, 4)), rng.normal(size=(4, 6))
     strain, force = np.empty((4, 6)), np.zeros((8, 3, 4))
-    elements.amplitudes(gradient[0, 1], move, strain)
-    elements.add_force(gradient[0, 1], stress, np.arange(8), force)
+    elements.amplitudes(gradient[0, 1], move, np.arange(4.0), strain)
+    elements.add_force(gradient[0, 1], stress, np.arange(4.0), np.arange(8), force)
     assert np.sum(force * move) == pytest.approx(np.sum(stress * strain), rel=1e-12)
     wave = elements.waves(np.array([0.7]), 3)[0]
     at, back, point = np.empty(6), np.zeros((4, 6)), rng.normal(size=6)
@@ -106,3 +106,16 @@ def test_volume_is_that_of_a_ring():
     corners = np.array([[1.0, 0.0], [3.0, 0.0], [3.0, 2.0], [1.0, 2.0]])
     _, volume = elements.geometry(curved(corners), np.arange(8)[None])
     assert 2 * np.pi * volume.sum() == pytest.approx(np.pi * (9 - 1) * 2, rel=1e-13)
+
+
+def test_the_other_family_is_the_first_one_turned_by_a_quarter_of_a_wave():
+    """cos and sin of k theta - pi/2, whatever k; torsion is constant. Products with other slots vanish."""
+    angle = elements.azimuths(11, whole=True)
+    wave, k = elements.waves(angle, 3, whole=True), elements.numbers(3, whole=True)
+    assert k.tolist() == [0, 1, 2, 3, 1, 2, 3]
+    turned = angle[:, None] - 0.5 * np.pi / k[4:]
+    np.testing.assert_allclose(wave[:, 4:, 0], np.cos(k[4:] * turned), atol=1e-14)
+    np.testing.assert_allclose(wave[:, 4:, 1], np.sin(k[4:] * turned), atol=1e-14)
+    for i in range(2):
+        products = 2.0 * np.pi / 11 * wave[..., i].T @ wave[..., i]
+        np.testing.assert_allclose(products, np.diag([2.0 * np.pi] + [np.pi] * 6), atol=1e-12)

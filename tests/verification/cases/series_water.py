@@ -65,7 +65,7 @@ def make_column() -> Newton:
     position = np.stack([r * np.cos(azimuth), r * np.sin(azimuth), 0.0 * r], axis=1)
     stations = RingStations(
         position, local_frames(np.tile([0.0, 0.0, 1.0], (len(node), 1))), area, node[:, None], np.ones((len(node), 1)),
-        rigid.displacement_operator(position, np.zeros(3)), np.zeros(len(node), dtype=np.int64),
+        rigid.in_plane(position, np.zeros(3)), np.zeros(len(node), dtype=np.int64),
         np.full(len(r), azimuth),
     )  # fmt: skip
     held = mesh.nodes[mesh.corners, 1] == 0.0

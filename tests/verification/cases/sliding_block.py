@@ -78,7 +78,7 @@ def pushed_body(rotation: np.ndarray) -> Newton:
     fixed[node] = True
     model = block_model(mesh, elastic_soil(), fixed, 3)
     centre = rotation @ [0.5 * SIDES[0], 0.5 * SIDES[1], 0.0]
-    _put_on_plane(model, node, area, normal, rigid.displacement_operator(mesh.nodes[node], centre))
+    _put_on_plane(model, node, area, normal, rigid.in_plane(mesh.nodes[node], centre))
     return make_newton(model)
 
 
