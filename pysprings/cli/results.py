@@ -182,7 +182,7 @@ def ring_text(rings: Mapping[str, Any] | None) -> str:
 
 def print_balances(record: RunRecord) -> None:
     """Print the balances of water and energy at the end of each path, as the report has them."""
-    from pysprings.results.report.balances import energy_table, water_table
+    from pysprings.results.report.validity import energy_table, water_table
 
     for table in (water_table(record.paths), energy_table(record.paths)):
         if table is not None:

@@ -55,7 +55,7 @@ def results_in(folder: Path) -> list[str]:
 
 def picture_kind(stem: str, path: str) -> tuple[str, str] | None:
     """Split the name of a picture in (kind, state); None when it is not of the path (of the whole run: ``""``)."""
-    from pysprings.results.plots.pictures import PICTURES
+    from pysprings.results.plots.draw import PICTURES
 
     if not path:
         return (stem, "") if stem in PICTURES and PICTURES[stem].scope == "run" else None

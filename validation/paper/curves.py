@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from matplotlib.lines import Line2D
 
-from pysprings.results.plots.reactions import depth_colours
+from pysprings.results.plots.profiles import depth_colours
 from pysprings.results.plots.style import (
     BLUE,
     GREEN,

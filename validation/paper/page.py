@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core.columns import Table
 from pysprings.core.files.storage import write_text
 from pysprings.core.text import number
-from pysprings.results.report.balances import energy_table, water_table
 from pysprings.results.report.inputs import input_tables, mesh_table
 from pysprings.results.report.page import Picture, page_html, picture_uri
+from pysprings.results.report.validity import energy_table, water_table
 from validation.paper import idealisations
 from validation.paper.cases import END, SHOWN
 from validation.paper.measures import load

@@ -13,8 +13,7 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
-from pysprings.results.exporters.uniaxial.options import table_options
+from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, table_options
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The header of files for other programs: origin, frame, units, conditions, range of validity, measured error."""
+"""Springs at the rate and vertical load of an export, and the header of files for other programs.
+
+The header has origin, frame, units, conditions, range of validity, measured error.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,34 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from pysprings.core.errors import refused
 from pysprings.core.path_kinds import HELD_BACK, VERTICAL
 from pysprings.core.version import __version__
-from pysprings.results.exporters.base import Source
-from pysprings.springs.path import SpringPath
+from pysprings.results.exporters.base import Options, Source
+from pysprings.springs.path import SpringPath, same_load
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
+
+
+def springs_at(source: Source, options: Options) -> tuple[Springs, float | None]:
+    """Return the springs at the rate of the options, and the vertical load [N] (None: that at rest).
+
+    Raises
+    ------
+    UserInputError
+        A vertical load beyond those of the lateral paths, whose springs would be those of another load.
+    """
+    springs = Springs.of(source.springs)
+    springs = springs if options["rate"] is None else springs.at_rate(float(options["rate"]))
+    if options["V"] is None:
+        return springs, None
+    V = float(options["V"])
+    known = [each.V for each in springs.load_sets]
+    if known and not (known[0] < V < known[-1] or any(same_load(V, each) for each in known)):
+        there = " to ".join(f"{1e-3 * each:.6g}" for each in sorted({known[0], known[-1]}))
+        raise refused("--option V", f"{1e-3 * V:.6g} kN: lateral springs are known at V = {there} kN")
+    return springs, V
+
 
 _ERRORS = {
     "H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load", "V": "vertical load"

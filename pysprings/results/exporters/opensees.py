@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
-from pysprings.results.exporters.uniaxial.options import table_options
+from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, table_options
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -197,7 +196,7 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
     made = prepare(source, options, "OpenSees springs", _FRAME)
     masing, first = options["material"] == "masing", int(options["first"])
     if masing:
-        from pysprings.results.exporters.uniaxial.masing import errors_on_reversals
+        from pysprings.results.exporters.uniaxial.export import errors_on_reversals
 
         label = [_MASING, *errors_on_reversals(made.springs, made.made, made.tables)]
         made = replace(made, head=[*made.head, *label], lost=[*made.lost, *label])

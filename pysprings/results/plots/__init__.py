@@ -10,7 +10,7 @@ the data of its path. Those on given axes are `draw_paths`, `draw_py`, `draw_pro
 
 from pysprings.results.analysis.parts import convergence_data, path_data, path_names, section_data
 from pysprings.results.plots.comparison import macro_against_full
-from pysprings.results.plots.draw import draw
+from pysprings.results.plots.draw import PICTURES, draw
 from pysprings.results.plots.files import save, save_all
 from pysprings.results.plots.gap import gap_map
 from pysprings.results.plots.ground import ground_profile
@@ -27,9 +27,7 @@ from pysprings.results.plots.overview import (
     tilt,
 )
 from pysprings.results.plots.picture import Picture, View
-from pysprings.results.plots.pictures import PICTURES
-from pysprings.results.plots.profiles import draw_profile, profiles
-from pysprings.results.plots.reactions import draw_py, py_curves
+from pysprings.results.plots.profiles import draw_profile, draw_py, profiles, py_curves
 from pysprings.results.plots.rose import pressure_rose, shear_rose, stress_rose
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
 from pysprings.results.plots.steel import ovalisation

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""One picture of a result or of springs, by its name (`PICTURES`)."""
+"""Pictures of a run in reading order (`PICTURES`), and one of them by its name.
+
+A new picture is one module in this folder and one entry here. Other packages call `PICTURES.register`, or declare an
+entry point in the group `pysprings.pictures`.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +15,55 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from pysprings.core.errors import refused
+from pysprings.core.registry import Registry
 from pysprings.results.analysis.parts import path_data, path_names, pick_step, section_data
 from pysprings.results.exporters.base import Source
+from pysprings.results.plots import (
+    comparison,
+    gap,
+    ground,
+    load,
+    loops,
+    newton,
+    overview,
+    profiles,
+    rose,
+    section,
+    steel,
+)
 from pysprings.results.plots.picture import Picture, View
-from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.style import drawn_on
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
+
+PICTURES: Registry[Picture] = Registry(
+    "picture",
+    (
+        section.MESH,
+        ground.PICTURE,
+        overview.PICTURE,
+        overview.TILT,
+        overview.SECANT,
+        load.PICTURE,
+        comparison.PICTURE,
+        loops.PICTURE,
+        profiles.PY,
+        profiles.PICTURE,
+        load.VERTICAL,
+        rose.OUTSIDE,
+        rose.INSIDE,
+        gap.PICTURE,
+        steel.PICTURE,
+        section.DISPLACEMENT,
+        rose.PORE_PRESSURE,
+        section.PRESSURE,
+        newton.PICTURE,
+    ),
+    group="pysprings.pictures",
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from pysprings.core.registry import Registry
 from pysprings.core.words import MOST_DRAWN, Figures
 from pysprings.results.analysis.parts import path_data, pick_step, section_data
 from pysprings.results.layout import Drawn, stands_for
+from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import Picture, View
-from pysprings.results.plots.pictures import PICTURES
 from pysprings.results.plots.style import STYLE, CompressedLayout
 from pysprings.springs.path import paths_of
 

@@ -1,16 +1,121 @@
 # SPDX-License-Identifier: MIT
-"""The answers to load cases for people: columns of terminal, workbook, page, and the report of their run."""
+"""The answers to load cases for people: columns of terminal, workbook, page, and the report of their run; tables of springs."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import numpy as np
 import pandas as pd
 
 from pysprings.core.columns import Column, Table, filled
+from pysprings.core.path_kinds import beam_order
+from pysprings.core.text import number
 from pysprings.results.layout import LOAD_CASES
-from pysprings.results.report.table import ReportTable
+from pysprings.results.report.inputs import ReportTable
+from pysprings.springs.path import RecordedPath, paths_of
+from pysprings.springs.sums import by_depth, net_m
+from pysprings.springs.tip_zone import on_slices
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [kN/m]", "p net [kN/m]",
+            "p at half of y [kN/m]", "m [kN m/m]")  # fmt: skip
+_NOTE = (
+    "At the last converged step; soil reactions, positive when they oppose a positive displacement. y: displacement of "
+    "the caisson's mean fibre; p: lateral, m: moment of the vertical shear, both per metre of depth; normal stress, "
+    "shear and water together. The last fifth of the skirt is one slice: p of thinner ones depends on the mesh. Every "
+    "path and step is in springs.xlsx and py.csv on the same slices, and on those of the mesh in springs.nc. "
+)
+
+
+def spring_tables(springs: xr.DataTree | None, comparison: pd.DataFrame | None = None) -> list[Table]:
+    """Return the table of the calibration path that a beam program would take (`beam_order`), and what it misses.
+
+    None without springs, or without a lateral calibration path.
+    """
+    if springs is None:
+        return []
+    at_rest = float(springs.attrs.get("vertical_load_N", 0.0))
+    lateral = [path for path in paths_of(springs).values() if path.calibrates and not path.is_vertical]
+
+    def use(path: RecordedPath) -> tuple[float, ...]:
+        return *beam_order(path.attrs), round(abs(path.load - at_rest), -3)
+
+    return [_table(path.name, on_slices(path.dataset), comparison) for path in sorted(lateral, key=use)[:1]]
+
+
+def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Table:
+    p, m, y = by_depth(path, "p") * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
+    sides = path["p_component"].sum("component").transpose("side", "depth", "step").values * 1e-3
+    order = [str(side) for side in path["side"].values]
+    rows = [
+        (
+            number(float(depth)),
+            "{:.2f} to {:.2f}".format(*path["depth_bounds"].values[k]),
+            number(y[k, -1]),
+            number(sides[order.index("outside"), k, -1]),
+            number(sides[order.index("inside"), k, -1]),
+            number(p[k, -1]),
+            _at_half(y[k], p[k]),
+            number(m[k, -1]),
+        )
+        for k, depth in enumerate(path["depth"].values)
+    ]
+    for part in ("tip", "lid"):
+        force, moment = (float(path[f"{letter}_{part}"].values[-1]) * 1e-3 for letter in ("H", "M"))
+        rows.append((part, "", "", "", "", f"H {number(force)} kN", "", f"M {number(moment)} kN m"))
+    title = f"Path {name}: {path.attrs['kind']}, {path.attrs['role']}"
+    return Table(title, _COLUMNS, rows, _NOTE + _missed(path, comparison), wide=True)
+
+
+def _missed(path: xr.Dataset, comparison: pd.DataFrame | None) -> str:
+    """Return sentences on the share of H that p carries, and on the largest error of p-y curves alone."""
+    carried = float(by_depth(path, "p")[:, -1] @ np.diff(path["depth_bounds"].values, axis=1)[:, 0])
+    load = float(path["H"].values[-1])
+    text = f"p carries {100.0 * carried / load:.0f} % of H of this path, tip and lid the rest. " if load else ""
+    if comparison is None or "H_error_max_pct" not in comparison:
+        return text
+    alone = comparison[(comparison["springs"] == "py") & comparison["H_error_max_pct"].notna()]
+    if alone.empty:
+        return text
+    worst = alone.iloc[int(alone["H_error_max_pct"].abs().to_numpy().argmax())]
+    return (
+        f"{text}The curves hold for this path: p-y curves alone, those of path {worst['springs_from']}, miss the load "
+        f"of path {worst['path']} by {worst['H_error_max_pct']:+.0f} %."
+    )
+
+
+def _at_half(y: np.ndarray, p: np.ndarray) -> str:
+    """Return the reaction at half of the last displacement, where y only grows in size; '-' elsewhere."""
+    size = np.abs(y)
+    if (np.diff(size) <= 0.0).any():
+        return "-"
+    return number(float(np.interp(0.5 * size[-1], size, p)))
+
+
+def stiffness_table(result: xr.DataTree) -> Table | None:
+    """Return the table of the initial stiffness of the full model; None for results without it."""
+    if "stiffness_initial" not in result.dataset:
+        return None
+    matrix = result.dataset["stiffness_initial"]
+    dofs = [str(name) for name in matrix["dof"].values]
+    loads = {"u": "H [MN]", "w": "V [MN]", "rotation": "M [MN m]"}
+    least = 1e-12 * float(np.abs(matrix.values).max())  # symmetry makes the others zero but for rounding
+    values = [[number(1e-6 * float(value) if abs(value) > least else 0.0, 6) for value in row] for row in matrix.values]
+    rows = [[loads[name], *cells] for name, cells in zip(dofs, values, strict=True)]
+    heads = ("", "per u [m]", "per w [m]", "per rotation [rad]")
+    note = "At the lid centre. `pysprings predict OUT --H 1kN --stiffness` gives 6 x 6, and other reference points."
+    return Table("Initial stiffness of the full model", heads, rows, note)
+
+
+STIFFNESS = ReportTable("stiffness", "springs", lambda data: [stiffness_table(data.result)])
+SPRINGS = ReportTable("springs", "springs", lambda data: spring_tables(data.springs, data.comparison))
+
 
 OK = "ok"  # verdict of a case with an answer that the springs support, within its tolerance
 KN, MN, MM = 1e-3, 1e-6, 1e3

@@ -24,10 +24,10 @@ from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import Drawn, picture_kind, pictures_in, stands_for
 from pysprings.results.opened import open_result
-from pysprings.results.report import balances, inputs, load_cases, solution, springs, validity
+from pysprings.results.report import inputs, load_cases, solution, validity
+from pysprings.results.report.inputs import ReportData, ReportTable, Section
 from pysprings.results.report.live import Live, live_parts
 from pysprings.results.report.load_cases import read_answers
-from pysprings.results.report.table import ReportData, ReportTable, Section
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -165,8 +165,8 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
             best[file.stem] = file
     if not best:  # matplotlib, 0.5 s, is left out
         return defaultdict(list)
+    from pysprings.results.plots.draw import PICTURES
     from pysprings.results.plots.picture import Part
-    from pysprings.results.plots.pictures import PICTURES
 
     known = [
         Drawn(found[0], path, found[1]) for path in ("", *paths) for stem in best if (found := picture_kind(stem, path))
@@ -202,8 +202,8 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
     "report table",
     (
         load_cases.CASES,
-        springs.STIFFNESS,
-        springs.SPRINGS,
+        load_cases.STIFFNESS,
+        load_cases.SPRINGS,
         solution.END,
         solution.TILT,
         validity.COMPARISON,
@@ -214,13 +214,13 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
         inputs.MESH,
         solution.CONVERGENCE,
         solution.CUT_BACKS,
-        balances.EQUILIBRIUM,
+        validity.EQUILIBRIUM,
         solution.RINGS,
-        balances.WATER,
-        balances.ENERGY,
+        validity.WATER,
+        validity.ENERGY,
         validity.ESTIMATE,
         solution.GAPS,
-        balances.COST,
+        validity.COST,
     ),
     group="pysprings.report_tables",
 )

@@ -14,7 +14,7 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.ring_measure import contact_alternation
 from pysprings.results.analysis.newton import attempts, failed_steps
-from pysprings.results.report.table import ReportTable
+from pysprings.results.report.inputs import ReportTable
 
 if TYPE_CHECKING:
     from pysprings.full_model.run_record import PathFigures

@@ -15,7 +15,7 @@ from pysprings.results.layout import (
     results_in,
     run_files,
 )
-from pysprings.results.plots.pictures import PICTURES
+from pysprings.results.plots.draw import PICTURES
 
 OURS = ["mesh.png", "pull_py.svg", "a_b_gap_2.5mm.png", "a-1_stress_outside_last.png"]
 UNLISTED = ["pull_py.png"]  # a name as ours have, and no run has written it

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.results.exporters.uniaxial.masing import errors_on_reversals, loads, masing
+from pysprings.results.exporters.uniaxial.export import errors_on_reversals, masing, masing_loads
 from pysprings.results.exporters.uniaxial.sets import tables, uniaxial
 from pysprings.springs.springs import Springs
 from tests.support.in_opensees import answer_of
@@ -57,5 +57,7 @@ def test_the_label_of_hysteresis_has_its_error_on_paths_that_turn_back() -> None
     H = float(re.findall(r"H by (\d+) %", line)[0])
     u, rotation = path["u"].values, path["rotation"].values
     exact = path["H"].values
-    assert 100.0 * np.abs(loads(made, given, u, rotation)[0] - exact).max() / exact.max() == pytest.approx(H, abs=0.5)
+    assert 100.0 * np.abs(masing_loads(made, given, u, rotation)[0] - exact).max() / exact.max() == pytest.approx(
+        H, abs=0.5
+    )
     assert H > 30.0

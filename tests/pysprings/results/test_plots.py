@@ -23,9 +23,9 @@ from pysprings.core.registry import Registry
 from pysprings.results import layout, plots
 from pysprings.results.analysis import newton, parts
 from pysprings.results.plots import data, files, gap, rose, section
+from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import View
-from pysprings.results.plots.pictures import PICTURES
-from pysprings.results.plots.reactions import PANELS
+from pysprings.results.plots.profiles import PANELS
 from pysprings.results.plots.style import new_figure
 from pysprings.results.report.page import pictures_by_part
 from tests.support import synthetic

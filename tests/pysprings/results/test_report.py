@@ -23,12 +23,12 @@ from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.macro.comparison import compare
 from pysprings.results import axes
-from pysprings.results.report import balances, inputs, solution, validity
+from pysprings.results.report import inputs, solution, validity
 from pysprings.results.report import page as report
+from pysprings.results.report.inputs import ReportData, ReportTable
 from pysprings.results.report.live import live_parts
+from pysprings.results.report.load_cases import spring_tables
 from pysprings.results.report.page import REPORT_TABLES
-from pysprings.results.report.springs import spring_tables
-from pysprings.results.report.table import ReportData, ReportTable
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.tip_zone import on_slices
@@ -219,7 +219,7 @@ def test_inputs_show_every_key_with_its_unit_defaults_included(result: xr.DataTr
 )
 def test_equilibrium_check_sees_a_wrong_force(springs: xr.DataTree, variable: str, load: str) -> None:
     def missing(tree: xr.DataTree) -> dict[tuple[str, str], float]:
-        return {(row[0], row[1]): float(row[3]) for row in balances.equilibrium_table(tree).rows}
+        return {(row[0], row[1]): float(row[3]) for row in validity.equilibrium_table(tree).rows}
 
     assert len(missing(springs)) == 6
     assert max(missing(springs).values()) < 1e-12

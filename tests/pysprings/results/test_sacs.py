@@ -12,7 +12,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.sacs_cards import number
+from pysprings.results.exporters.sacs import number
 from pysprings.results.exporters.uniaxial.sets import uniaxial
 from pysprings.springs.springs import Springs
 from tests.support import stored, synthetic

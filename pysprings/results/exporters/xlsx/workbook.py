@@ -24,8 +24,7 @@ from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
 from pysprings.results.exporters.base import Source
 from pysprings.results.exporters.tables import with_net
-from pysprings.results.exporters.xlsx.about import LENGTHS, about_lines
-from pysprings.results.exporters.xlsx.book import QUANTITIES, Book, Column, finish, write_numbers
+from pysprings.results.exporters.xlsx.book import LENGTHS, QUANTITIES, Book, Column, about_lines, finish, write_numbers
 from pysprings.results.sheets import PLAIN_CELLS
 from pysprings.springs.sums import by_depth
 
