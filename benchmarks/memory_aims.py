@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.macro.cycles import Followed, cycles, errors, follow_path
-from pysprings.macro.cycles_text import reaction_errors
+from pysprings.macro.cycles import Followed, cycles, errors, follow_path, reaction_errors
 from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
 from pysprings.macro.ways import RANGE_SLACK

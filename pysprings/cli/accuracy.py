@@ -15,7 +15,7 @@ from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.scene.load import Scene
-from pysprings.studies.accuracy import rows, runs, study, text
+from pysprings.studies.accuracy import rows, runs, study
 from pysprings.studies.accuracy.rows import StudyResult
 
 
@@ -68,15 +68,15 @@ def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
 
 def _print(out: Path, outcome: StudyResult) -> None:
     for model in (rows.FULL, rows.MACRO):
-        table = text.table_of(outcome.table, model)
+        table = study.table_of(outcome.table, model)
         if table.rows:
             print_table(table)
             print()
-    print(f"reference: meshes {', '.join(outcome.series)}; h = {text.cell_size_of(outcome)}")
-    for line in [*text.reference_lines(outcome), *text.target_lines(outcome.table)]:
+    print(f"reference: meshes {', '.join(outcome.series)}; h = {study.cell_size_of(outcome)}")
+    for line in [*study.reference_lines(outcome), *study.target_lines(outcome.table)]:
         print(line)
     print()
-    for note in text.NOTES:
+    for note in study.NOTES:
         print(note)
     print()
     for name, meaning in study.FILES.items():

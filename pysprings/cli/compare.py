@@ -34,7 +34,7 @@ def compare(
     if slices and cycles:
         refuse("--cycles", "give either this or --slices")
     if cycles:
-        from pysprings.macro import cycles_text as by_cycle
+        from pysprings.macro import cycles as by_cycle
 
         found = by_cycle.compare_cycles(tree, spring_set)
         if as_json:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings.cli.atlas_springs import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
+from pysprings.cli.atlas import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
 from pysprings.cli.inputs import springs_or_table
 from pysprings.cli.options import Changes, Json, SpringSet, quantity
 from pysprings.cli.support import print_json, refuse, to_stderr

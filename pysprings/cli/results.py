@@ -170,7 +170,7 @@ def _cut_back(each: CutBack) -> str:
 
 
 def ring_text(rings: Mapping[str, Any] | None) -> str:
-    """Return the contact measure of `pysprings.full_model.ring_measure` as text; empty where nothing was measured."""
+    """Return the contact measure of `pysprings.full_model.record` as text; empty where nothing was measured."""
     if not rings:
         return ""
     parts = [

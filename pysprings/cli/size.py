@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pysprings.cli.atlas_springs import SHIPPED_ATLASES
+from pysprings.cli.atlas import SHIPPED_ATLASES
 from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, formats_of
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 from pysprings.core.columns import Column, Table
@@ -85,7 +85,7 @@ def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -
     from pysprings.core.errors import following
     from pysprings.results.exporters.csv import write_frame
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.sizing.picture import candidates
+    from pysprings.studies.sizing.confirm import candidates
     from pysprings.studies.sizing.search import table_of
 
     table = table_of(search.tried)

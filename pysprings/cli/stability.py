@@ -60,7 +60,7 @@ def run(
 def _write(table: pd.DataFrame, out: Path, formats: Sequence[str]) -> None:
     """Write stability.csv, stability.md and stability.png or stability.svg."""
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.stability.picture import catalogue
+    from pysprings.studies.stability.catalogue import catalogue
 
     write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
     write_text(stability.to_markdown(table), out / "stability.md")

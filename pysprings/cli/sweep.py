@@ -90,7 +90,7 @@ def _outputs(
     study: Study, tables: list[Path], pictures: list[str], over: str | None, figure_format: str
 ) -> dict[Path, str]:  # fmt: skip
     """Write dataset, tables and pictures; return the files with their meaning."""
-    from pysprings.studies.sweep import dataset, picture
+    from pysprings.studies.sweep import dataset
 
     written = {study.out / "cases.csv": "the cases: values, status, reason, seconds, hash"}
     file = dataset.write_study(study)
@@ -105,7 +105,7 @@ def _outputs(
 
             axes = [axis.strip() for axis in over.split(",")] if over else []
             stem = study.out / name.replace(":", "-")
-            figure = picture.draw(data, name, axes)
+            figure = dataset.draw(data, name, axes)
             written |= dict.fromkeys(save(figure, stem, figure_format.split(",")), name)
     return written
 

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Parts of a result with the settings of the run: a path, the symmetry-plane section, the Newton record, a step."""
+"""Parts of a result with the settings of the run: a path, the symmetry-plane section, the Newton record, a step.
+
+Beside them the zones without contact around the skirt, and the attempts of a Newton record.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +18,7 @@ from pysprings.full_model.run_record import ATTRIBUTE, RunRecord
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
+    import xarray as xr
     from numpy.typing import NDArray
 
 
@@ -135,3 +140,108 @@ def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | N
     if displacement is None:
         return int(good[-1])
     return int(good[np.argmin(np.abs(path["u"].values[good] - displacement))])
+
+
+MM, DEG = 1e3, 180.0 / np.pi  # from SI to the units of the texts
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Opening:
+    """The widest opening of one surface: width [m] and a description of its place."""
+
+    surface: str
+    width: float
+    place: str
+
+    def text(self) -> str:
+        """Return a label of two lines: ``outside: max 0.043 mm``, ``at azimuth 180 deg, depth 0.25 m``."""
+        if not self.width > 0:
+            return f"{self.surface}: closed everywhere"
+        return f"{self.surface}: max {self.width * MM:.3g} mm\nat {self.place}"
+
+
+def openings(path: xr.Dataset, step: int) -> list[Opening]:
+    """Return the widest opening [m] of each surface of the caisson at a step, with its place."""
+    widest = [_skirt_opening(path, step, str(side)) for side in path["side"].values]
+    for surface, name in (("lid", "under the lid"), ("tip", "under the tip")):
+        if f"{surface}_gap" in path:
+            widest.append(_plan_opening(path, step, surface, name))
+    return widest
+
+
+def skirt_gap(path: xr.Dataset, step: int, side: str) -> NDArray[np.float64]:
+    """Return the opening [m] of one side, shape (depth, azimuth); penetration counts as closed."""
+    values = path["gap"].sel(side=side).transpose("step", "depth", "azimuth").values[step]
+    return np.maximum(values, 0.0)
+
+
+def _skirt_opening(path: xr.Dataset, step: int, side: str) -> Opening:
+    gap = skirt_gap(path, step, side)
+    if not np.isfinite(gap).any():
+        return Opening(side, 0.0, "")
+    k, i = np.unravel_index(np.nanargmax(gap), gap.shape)
+    place = f"azimuth {path['azimuth'].values[i] * DEG:.0f}°, depth {path['depth'].values[k]:.2f} m"
+    return Opening(side, float(gap[k, i]), place)
+
+
+def _plan_opening(path: xr.Dataset, step: int, surface: str, name: str) -> Opening:
+    x, y, gap = plan_gap(path, step, surface)
+    if not np.isfinite(gap).any():
+        return Opening(name, 0.0, "")
+    k = int(np.nanargmax(gap))
+    place = f"azimuth {np.arctan2(abs(y[k]), x[k]) * DEG:.0f}°, radius {np.hypot(x[k], y[k]):.2f} m"
+    return Opening(name, float(gap[k]), place)
+
+
+def plan_gap(path: xr.Dataset, step: int, surface: str) -> tuple[NDArray[np.float64], ...]:
+    """Return x, y and opening [m] of the stations under the lid or the tip, each (point,)."""
+    gap = path[f"{surface}_gap"].transpose("step", f"{surface}_point").values[step]
+    return path[f"{surface}_x"].values, path[f"{surface}_y"].values, np.maximum(gap, 0.0)
+
+
+_STOPPED = ("partial", "limit load")
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One try at an increment: step, number, rows in the record, iterations taken, whether the step kept it.
+
+    The first row (iteration 0) is the residual before the first iteration.
+    """
+
+    step: int
+    number: int
+    rows: NDArray[np.int64]
+    iterations: int
+    accepted: bool
+
+
+def failed_steps(path: xr.Dataset, record: xr.Dataset) -> tuple[int, ...]:
+    """Return the steps of a record that were never accepted: marked so, or the one behind the last step of a path."""
+    failed = {int(k) for k in np.flatnonzero(~converged(path))}
+    last = int(record["increment"].values[-1]) if record.sizes["iteration"] else 0
+    if path.attrs.get("status") in _STOPPED and last >= path.sizes["step"]:
+        failed.add(last)
+    return tuple(sorted(failed))
+
+
+def attempts(record: xr.Dataset, failed_steps: tuple[int, ...] = ()) -> list[Attempt]:
+    """Split a Newton record in attempts, in their order.
+
+    The last attempt at a step is the accepted one, the earlier ones were cut back; a step in `failed_steps`
+    has no accepted attempt.
+    """
+    step, number = record["increment"].values, record["attempt"].values
+    changes = np.flatnonzero((np.diff(step) != 0) | (np.diff(number) != 0)) + 1
+    blocks = [rows for rows in np.split(np.arange(step.size), changes) if rows.size]
+    tries = []
+    for k, rows in enumerate(blocks):
+        this = int(step[rows[0]])
+        last = k + 1 == len(blocks) or int(step[blocks[k + 1][0]]) != this
+        taken = int(record["iteration"].values[rows].max())
+        tries.append(Attempt(this, int(number[rows[0]]), rows, taken, last and this not in failed_steps))
+    return tries

@@ -17,9 +17,9 @@ from pysprings.results.exporters import (
     csv,
     openfast,
     opensees,
+    paraview,
     sacs,
     subdyn,
-    vtu,
     xlsx,
 )
 from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
@@ -35,7 +35,7 @@ EXPORTERS: Registry[Exporter] = Registry(
         xlsx.XLSX,
         csv.NETCDF,
         csv.JSON,
-        vtu.PARAVIEW,
+        paraview.PARAVIEW,
         openfast.OPENFAST,
         subdyn.SUBDYN,
         opensees.OPENSEES,

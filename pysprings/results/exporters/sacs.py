@@ -14,19 +14,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, table_options
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from pysprings.results.exporters.uniaxial.curve import Spring, Table
     from pysprings.results.exporters.uniaxial.sets import Uniaxial
     from pysprings.springs.springs import Springs
 
-Array = NDArray[np.float64]
+    Array = NDArray[np.float64]
 
 WIDTH = 6  # characters of a number
 PAIRS = 5  # a line
@@ -90,6 +90,8 @@ def read(cell: str) -> float:
 
 def rounded(stratum: Stratum) -> Stratum:
     """Return a stratum with the numbers as the cards hold them; displacements that are alike there count once."""
+    import numpy as np
+
     q, f = (np.array([read(number(float(value))) for value in values]) for values in (stratum.q, stratum.f))
     keep = np.concatenate([[True], np.diff(q) > 0.0])
     return Stratum(stratum.top, stratum.bottom, q[keep], f[keep], stratum.symmetric)

@@ -16,24 +16,10 @@ import numpy as np
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.files.storage import write_text
 from pysprings.core.variables import STRESSES
-from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-def _write(source: Source, target: Target, _options: Options) -> Exported:
-    return Exported(write_paraview(source.result, target.path, target.note))
-
-
-PARAVIEW = Exporter(
-    name="paraview",
-    description="ParaView files of a run with [output] paraview = true: displacements, stresses, pressures by step",
-    write=_write,
-    needs="full model",
-    suffixes=(".pvd", ".vtu"),
-)
 
 
 _TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "int8": "Int8", "uint8": "UInt8"}

@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.patches import Circle
 
-from pysprings.results.analysis.gap import Opening, openings, plan_gap, skirt_gap
-from pysprings.results.analysis.parts import pick_step
+from pysprings.results.analysis.parts import Opening, openings, pick_step, plan_gap, skirt_gap
 from pysprings.results.plots.data import step_text
 from pysprings.results.plots.picture import Picture
 from pysprings.results.plots.style import (

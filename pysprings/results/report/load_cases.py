@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The answers to load cases for people: columns of terminal, workbook, page, and the report of their run; tables of springs."""
+"""Answers to load cases for people: columns of terminal, workbook, page, and report of their run; tables of springs."""
 
 from __future__ import annotations
 

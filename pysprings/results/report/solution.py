@@ -13,7 +13,7 @@ from pysprings.core.columns import Table
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.ring_measure import contact_alternation
-from pysprings.results.analysis.newton import attempts, failed_steps
+from pysprings.results.analysis.parts import attempts, failed_steps
 from pysprings.results.report.inputs import ReportTable
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ def _at_tilt(limit: float, turn: np.ndarray, path: Any, good: np.ndarray) -> tup
 
 def opening_table(paths: Mapping[str, Any]) -> Table | None:
     """List the widest gap at the last converged step of each path; None where interface fields were not kept."""
-    from pysprings.results.analysis.gap import openings
+    from pysprings.results.analysis.parts import openings
 
     rows = []
     for name, group in paths.items():

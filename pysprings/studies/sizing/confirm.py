@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A candidate by the full model: a pull for every height of the load cases, beside the atlas."""
+"""A candidate by the full model: a pull for every height of the load cases, beside the atlas; a picture of all."""
 
 from __future__ import annotations
 
@@ -12,10 +12,32 @@ import pandas as pd
 
 from pysprings.core.errors import RunIncomplete, refused
 from pysprings.macro.fan_springs import BAND
+from pysprings.results.plots.style import BLUE, GREY, VERMILLION, new_figure, styled
 from pysprings.studies.sizing.search import Candidate, Search, Wanted, answered
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from pysprings.studies.atlas.model import Atlas
+
+
+@styled
+def candidates(table: pd.DataFrame, best: pd.Series) -> Figure:
+    """Draw every caisson that was tried, its steel in tonnes as the size of the dot, and the best one."""
+    figure = new_figure(6.4, 4.6)
+    axes = figure.subplots()
+    for met, colour, label in ((True, BLUE, "meets the load cases"), (False, GREY, "does not")):
+        part = table[(table["use"] <= 1.0) == met]
+        axes.scatter(part["D_m"], part["L_m"], s=10.0 + 60.0 * part["steel_t"] / table["steel_t"].max(), c=colour,
+                     label=label, alpha=0.7)  # fmt: skip
+    axes.plot(
+        best["D_m"], best["L_m"], "*", color=VERMILLION, markersize=16, label=f"least steel: {best['steel_t']:.3g} t"
+    )
+    axes.set_xlabel("outer diameter D [m]")
+    axes.set_ylabel("skirt length L [m]")
+    axes.legend(loc="best")
+    return figure
+
 
 _FURTHER = 1.3  # times the displacement that the atlas expects
 ROUNDS = 3

@@ -12,8 +12,7 @@ import xarray as xr
 
 from pysprings.core.errors import BeyondSprings
 from pysprings.core.path_kinds import PARTS
-from pysprings.macro.cycles import follow_path
-from pysprings.macro.cycles_text import reaction_errors
+from pysprings.macro.cycles import follow_path, reaction_errors
 from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence

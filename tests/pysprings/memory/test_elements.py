@@ -13,8 +13,7 @@ import pytest
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.cycles import Followed, cycles, errors, follow_path, sequences
-from pysprings.macro.cycles_text import reaction_errors
+from pysprings.macro.cycles import Followed, cycles, errors, follow_path, reaction_errors, sequences
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.predict import MacroWarning, predict, sequence

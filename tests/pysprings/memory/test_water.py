@@ -12,8 +12,7 @@ import pytest
 import xarray as xr
 
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.cycles import follow_path
-from pysprings.macro.cycles_text import reaction_errors
+from pysprings.macro.cycles import follow_path, reaction_errors
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict, sequence

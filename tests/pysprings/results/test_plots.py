@@ -21,7 +21,7 @@ from matplotlib.patches import Wedge
 from pysprings.core.errors import UserInputError
 from pysprings.core.registry import Registry
 from pysprings.results import layout, plots
-from pysprings.results.analysis import newton, parts
+from pysprings.results.analysis import parts
 from pysprings.results.plots import data, files, gap, rose, section
 from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import View
@@ -468,21 +468,21 @@ def record(trees: tuple[xr.DataTree, xr.DataTree]) -> xr.Dataset:
 
 
 def test_attempts_tell_cut_backs_from_accepted_increments(record: xr.Dataset) -> None:
-    tries = newton.attempts(record)
+    tries = parts.attempts(record)
     assert [(t.step, t.number) for t in tries if not t.accepted] == [(2, 0)]
     assert sum(t.accepted for t in tries) == 24
     assert sum(t.rows.size for t in tries) == record.sizes["iteration"]
-    assert [t.step for t in newton.attempts(record, failed_steps=(24,)) if not t.accepted] == [2, 24]
+    assert [t.step for t in parts.attempts(record, failed_steps=(24,)) if not t.accepted] == [2, 24]
 
 
 def test_the_last_step_of_a_partial_path_failed(pull: xr.Dataset, record: xr.Dataset) -> None:
-    assert newton.failed_steps(pull, record) == ()
+    assert parts.failed_steps(pull, record) == ()
     for status in ("partial", "limit load"):
         stopped = pull.assign_attrs(status=status)
-        assert newton.failed_steps(stopped.isel(step=slice(-1)), record) == (24,)
-        assert newton.failed_steps(stopped, record) == ()  # its last step was taken
+        assert parts.failed_steps(stopped.isel(step=slice(-1)), record) == (24,)
+        assert parts.failed_steps(stopped, record) == ()  # its last step was taken
     pull["converged"][20] = 0
-    assert newton.failed_steps(pull, record) == (20,)
+    assert parts.failed_steps(pull, record) == (20,)
 
 
 def test_newton_figure_counts_and_marks(record: xr.Dataset) -> None:

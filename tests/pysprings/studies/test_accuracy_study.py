@@ -24,7 +24,7 @@ from pysprings.full_model.compute import run
 from pysprings.full_model.run_record import SCHEMA
 from pysprings.model.forecast.resources import size_of
 from pysprings.springs.path import paths_of
-from pysprings.studies.accuracy import rows, runs, study, text
+from pysprings.studies.accuracy import rows, runs, study
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.stored_runs import RUNS, Whole
 from tests.support import tiny
@@ -134,8 +134,8 @@ def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
     assert found.table[["load_max_pct", "py_rms_pct"]].isna().all(axis=None)
     assert full(found)["from_mesh_pct"].notna().sum() == 2
     assert not found.table["pareto"].any()
-    assert "pull, load: one mesh: nothing to compare it with" in list(text.reference_lines(found))
-    assert all(line.endswith("no setting") for line in text.target_lines(found.table))
+    assert "pull, load: one mesh: nothing to compare it with" in list(study.reference_lines(found))
+    assert all(line.endswith("no setting") for line in study.target_lines(found.table))
     with pytest.raises(UserInputError, match="no run of the study has an error to offer"):
         study.presets(elastic(), found)
 
@@ -143,7 +143,7 @@ def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_reference_is_told_by_quantity(done: Any) -> None:
     assert list(done.found.series) == ["coarse-0.75", "coarse", "coarse-1.35"]
-    lines = list(text.reference_lines(done.found))
+    lines = list(study.reference_lines(done.found))
     assert [line.split(":")[0] for line in lines] == [
         f"pull, {name}" for name in ("load", "rotation", "pressure", "py", "stiffness")
     ]
@@ -171,8 +171,8 @@ def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None
     assert found.orders["fourier"]["load"] == pytest.approx(ORDER, rel=1e-3)
     assert found.apart["pull"]["load_max"] < 0.01
     assert full(found).loc["coarse-0.75", "load_max_pct"] > 1.0
-    assert "pull: the limit of bricks is apart by" in "\n".join(text.reference_lines(found))
-    assert text.cell_size_of(found) == "(unknowns/(N + 1))^(-1/2)"
+    assert "pull: the limit of bricks is apart by" in "\n".join(study.reference_lines(found))
+    assert study.cell_size_of(found) == "(unknowns/(N + 1))^(-1/2)"
     shipped = study.presets(elastic(), found)
     assert {each["harmonics"] for each in shipped["settings"]} == {None, 2}
     assert presets.cheapest("5%", shipped, elastic()).discretisation == "fourier"
@@ -270,8 +270,8 @@ def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
     assert table.loc["coarse-tolerance-1e-3", "why"] == "not converged: path 'pull' stopped"
     assert np.isnan(table.loc["coarse-1.35", "load_max_pct"])
     assert table.loc["coarse", "load_max_pct"] > 0.0  # of two meshes: the difference
-    assert "## Stopped" in text.to_markdown(found, {}, "x.png")
-    assert "9 TB" in text.to_markdown(found, {}, "x.png")
+    assert "## Stopped" in study.to_markdown(found, {}, "x.png")
+    assert "9 TB" in study.to_markdown(found, {}, "x.png")
 
 
 @pytest.mark.slow
@@ -398,6 +398,6 @@ def test_a_study_whose_runs_all_stop_says_so(tmp_path: Path) -> None:
 
     found = study.study(elastic(), tmp_path / "out", settings(MESHES, quick=True), lambda *_: None, run=stops)
     assert set(full(found)["status"]) == {"stopped"}
-    assert all(line.endswith("no setting") for line in text.target_lines(found.table))
+    assert all(line.endswith("no setting") for line in study.target_lines(found.table))
     assert "limit load" in (tmp_path / "out" / "accuracy.md").read_text(encoding="utf-8")
     assert (tmp_path / "out" / "accuracy.png").exists()

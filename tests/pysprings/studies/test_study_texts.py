@@ -23,11 +23,10 @@ from pysprings.scene.sections import PAPER_PATH
 from pysprings.studies.accuracy import study
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
-from pysprings.studies.accuracy.text import to_markdown
+from pysprings.studies.accuracy.study import to_markdown
 from pysprings.studies.stability import cases as stability
 from pysprings.studies.stability import catalogue as stability_catalogue
-from pysprings.studies.stability.catalogue import OUTCOMES, Outcome, summary
-from pysprings.studies.stability.picture import catalogue
+from pysprings.studies.stability.catalogue import OUTCOMES, Outcome, catalogue, summary
 from tests.support import stored, synthetic, tiny
 from tests.support.drawn import describe, number
 from tests.support.files import Outline
