@@ -79,7 +79,7 @@ def diff(
 
     if out is not None:
         refuse_no_folder(out)
-    runs = _run(first, str(first)), _run(second, str(second))
+    runs = open_run(first, str(first)), open_run(second, str(second))
     rows = differences(*runs)
     pictures = [] if out is None else _draw(*runs, common_paths(*runs), out, figure_format)
     if as_json:
@@ -94,7 +94,8 @@ def diff(
         print(file)
 
 
-def _run(folder: Path, name: str) -> Run:
+def open_run(folder: Path, name: str) -> Run:
+    """Open the result and record of the folder of a run; refuse any other folder."""
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.analysis.two_runs import Run
     from pysprings.results.opened import open_result

@@ -3,13 +3,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pysprings.cli.options import Json, SpringSet
 from pysprings.cli.support import print_json, print_table, quantities, refuse
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pysprings.macro.model import AnySprings
 
 
 def design(
@@ -38,9 +44,9 @@ def design(
     """Answer load cases: motion, tilt, stiffness, utilisation, and what is not known, case by case.
 
     CASES has a row a load: name, limit state, H, M or arm, V, direction, factor, tilt, with units in the headings.
-    Rows of one name act together. The summary of the run stands below the answers.
+    Rows of one name act together. The summary of the run stands below the answers. Of a folder with several estimates
+    each case shows the largest motion and utilisation over them; files have a row a case and estimate.
     """
-    from pysprings.cli.inputs import springs_or_table
     from pysprings.cli.results import print_summary
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.report import load_cases as text
@@ -56,19 +62,22 @@ def design(
     if in_report:
         files.check_run(result)
     read = read_load_cases(cases)
-    springs = springs_or_table(result, None, strict)
-    table = answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set, path=path)
+    answers, table = _answers(
+        result, strict, lambda springs: answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set,
+                                                     path=path),
+    )  # fmt: skip
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
     about = {"springs": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
     about |= (record.summary if record else None) or {}
     for file in out or ():
-        files.write(file, table, about)
+        files.write(file, answers, about)
     if in_report:
         files.into_report(result, table)
     if as_json:
-        print_json({"about": about, "cases": table.to_dict("records")})
+        more = {} if answers is table else {"estimates": answers.to_dict("records")}
+        print_json({"about": about, "cases": table.to_dict("records"), **more})
     else:
         print_table(text.table_of(table, brief=True))
         print(f"\n{text.closing(table)}")
@@ -78,3 +87,16 @@ def design(
             print(f"{result / 'report.html'}: the report of the run, with the answers")
         if record:
             print_summary(record)
+
+
+def _answers(
+    result: Path, strict: bool, answer: Callable[[AnySprings], pd.DataFrame]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return all answers, and those that govern: of a folder with several estimates the largest over them."""
+    from pysprings.cli.inputs import springs_or_table
+    from pysprings.results.estimates import folders_of
+    from pysprings.studies.design import governing
+
+    sets = folders_of(result)
+    tables = {name: answer(springs_or_table(place, None, strict)) for name, place in (sets or {"": result}).items()}
+    return governing(tables) if sets else (tables[""], tables[""])

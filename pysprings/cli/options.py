@@ -29,6 +29,14 @@ Changes = Annotated[
         "--set", metavar="KEY=VALUE", help='value instead of the scene\'s, e.g. soil.young_modulus="80 MPa"; repeated'
     ),
 ]
+Estimates = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--estimate",
+        metavar="[low|best|high]",
+        help="values of ranges that count; repeated: a folder each, and all side by side",
+    ),
+]
 DrawnFigures = Annotated[Figures | None, typer.Option("--figures", help="none: no picture")]
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="draw no pictures: --figures none")]
 Format = Annotated[FigureFormat, typer.Option("--figure-format", help="format of the pictures")]

@@ -5,15 +5,28 @@ from __future__ import annotations
 
 import shlex
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from pysprings.cli.compiling import compile_first
+from pysprings.cli.estimates import chosen, ready_to_run, refuse_without_ranges, show_together
 from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
-from pysprings.cli.options import Changes, Format, Jobs, Json, Mesh, NoFigures, SceneFile, Series, Target, drawn
+from pysprings.cli.options import (
+    Changes,
+    Estimates,
+    Format,
+    Jobs,
+    Json,
+    Mesh,
+    NoFigures,
+    SceneFile,
+    Series,
+    Target,
+    drawn,
+)
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
 from pysprings.core.errors import ResourceError, RunIncomplete
@@ -40,6 +53,7 @@ class RunOptions:
     format: FigureFormat = "png"
     quiet: bool = False
     jobs: int | None = None
+    estimates: tuple[str, ...] = ()
 
     def command(self, scene: Path, folder: Path) -> str:
         """Return the command that resumes the run."""
@@ -50,6 +64,7 @@ class RunOptions:
         options = "".join(f" {flag} {value}" for flag, value in given.items() if value)
         if self.estimate is not None:
             options += " --estimate-error" if self.estimate else " --no-estimate-error"
+        options += "".join(f" --estimate {each}" for each in self.estimates)
         options += "".join(f" --set {shlex.quote(change)}" for change in self.changes)
         options += "" if self.jobs is None else f" --jobs {self.jobs}"
         return f"pysprings run {scene} --out {folder}{options} --resume"
@@ -70,6 +85,7 @@ def run(
             help="also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
         ),
     ] = None,
+    estimates: Estimates = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
     changes: Changes = None,
@@ -98,15 +114,13 @@ def run(
     write_log(log)
     options = RunOptions(
         mesh, discretisation, target, estimate, resume, tuple(changes or ()), drawn(figures, no_figures),
-        figure_format, quiet, jobs,
+        figure_format, quiet, jobs, chosen(estimates),
     )  # fmt: skip
-    loaded, extra = _chosen(load(scene, discretisation, changes), options)
     folder = out or Path("out") / scene.stem
-    with result_folder(folder, force, resume):
-        if resume and not is_unfinished(folder):
-            stopped = _ended_run(folder, on_mesh(loaded, mesh))
-        else:
-            stopped = _run(loaded, folder, options, extra)
+    if len(options.estimates) > 1:
+        run_estimates(scene, folder, options, force, as_json)
+        return
+    stopped = _one(scene, folder, options, force)
     if as_json:
         print_json(results(folder))
     elif not quiet:
@@ -115,6 +129,35 @@ def run(
         to_stderr(f"go on with: {options.command(scene, folder)}")
     if stopped is not None:
         raise stopped
+
+
+def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped:
+    """Run the scene of a file, or go on with it, with one estimate at most; return the error that ended it early."""
+    own = [f"soil.estimate={each}" for each in options.estimates]
+    if own:
+        refuse_without_ranges(scene)
+    loaded, extra = _chosen(load(scene, options.discretisation, [*options.changes, *own]), options)
+    with result_folder(folder, force, options.resume):
+        if options.resume and not is_unfinished(folder):
+            return _ended_run(folder, on_mesh(loaded, options.mesh))
+        return _run(loaded, folder, options, extra)
+
+
+def run_estimates(scene: Path, folder: Path, options: RunOptions, force: bool, as_json: bool) -> None:
+    """Run a scene with several estimates, a folder each; write what shows them side by side."""
+    ready_to_run(scene, folder)
+    stopped = []
+    for each in options.estimates:
+        if not options.quiet:
+            to_stderr(f"estimate {each}: {folder / each}")
+        own = replace(options, estimates=(each,), resume=options.resume and (folder / each).exists())
+        stopped.append(_one(scene, folder / each, own, force))
+        if isinstance(stopped[-1], KeyboardInterrupt):
+            to_stderr(f"go on with: {options.command(scene, folder)}")
+            raise stopped[-1]
+    show_together(folder, options.estimates, as_json, options.quiet)
+    for error in filter(None, stopped):
+        raise error
 
 
 def _chosen(scene: Scene, options: RunOptions) -> tuple[Scene, dict[str, Any]]:

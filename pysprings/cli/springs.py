@@ -70,12 +70,20 @@ def export(
         list[str] | None, typer.Option("--option", metavar="NAME=VALUE", help="option of the export; may be repeated")
     ] = None,
 ) -> None:
-    """Write files for other programs. ParaView files need a run with \\[output] paraview = true."""
+    """Write files for other programs, a folder for each estimate. ParaView files need \\[output] paraview = true."""
+    from pysprings.results.estimates import folders_of
+
     exporter = EXPORTERS.find(to, "--to") if to else _refuse_no_target()
     options = _export_options(option or [])
     exporters.read_options(exporter, options)
     if out is not None:
         refuse_no_folder(out)
+    for name, each in (folders_of(result) or {"": result}).items():
+        _export_one(each, exporter, options, out / name if out and name else out)
+
+
+def _export_one(result: Path, exporter: exporters.Exporter, options: dict[str, str], out: Path | None) -> None:
+    """Write the files of one run."""
     folder = result if result.is_dir() else result.parent
     source = _export_source(result, exporter)
     place = own_folder(folder, exporter.name) if out is None else out

@@ -53,6 +53,16 @@ def estimates_of(data: dict[str, Any]) -> list[str]:
     return [chosen, *(each for each in ESTIMATES if each != chosen)] if any(ranges_in(data)) else [chosen]
 
 
+def name_estimate(data: dict[str, Any], title: str) -> None:
+    """Put the estimate that a scene with ranges chooses into its title; ``title`` is that of a scene without one.
+
+    The heads of exported files, pictures and pages have the title, and hence the estimate.
+    """
+    soil, own = data.get("soil"), data.get("title", title)
+    if isinstance(soil, dict) and soil.get("estimate") in ESTIMATES and isinstance(own, str) and any(ranges_in(data)):
+        data["title"] = f"{own[:180]} ({soil['estimate']} estimate)"
+
+
 def in_schema(schema: dict[str, Any]) -> dict[str, Any]:
     """Return the JSON schema of a value that may be a range of such values."""
     one = {key: value for key, value in schema.items() if key not in ("description", "default")}

@@ -100,6 +100,38 @@ def answer_cases(
     return frame
 
 
+MOTIONS = {"u_m": "u", "w_m": "w", "rotation_rad": "rotation", "tilt_used": "tilt"}
+LARGEST = MOTIONS | {"utilisation": "utilisation", "utilisation_V": "V used"}
+
+
+def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the answers of several estimates, a row a case and estimate, and the rows that govern, a row a case.
+
+    A row that governs has the largest motion and utilisation over the estimates, and the worst verdict; `estimate`
+    names the estimate of each: "low (u, rotation), high (utilisation)". Everything else is of the estimate of that
+    verdict. Motions are blank where one estimate has no answer: the largest is not known.
+    """
+    order = (OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)
+    all_rows, rows = [], []
+    for k in range(len(next(iter(tables.values())))):
+        own = {name: table.iloc[k].copy() for name, table in tables.items()}
+        row = max(own.values(), key=lambda each: order.index(each["verdict"])).copy()
+        found: dict[str, list[str]] = {}
+        known = all(each["answered"] for each in own.values())
+        for column, words in LARGEST.items():
+            values = {name: each[column] for name, each in own.items() if pd.notna(each[column])}
+            values = values if known or column not in MOTIONS else {}
+            name = max(values, key=lambda each: abs(values[each]), default="")
+            row[column] = values.get(name, np.nan)
+            found.setdefault(name, []).append(words)
+        row["tilt_deg"] = degrees(abs(row["rotation_rad"]))
+        row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
+        row["estimate"] = ", ".join(f"{name} ({', '.join(words)})" for name, words in found.items() if name)
+        rows.append(row)
+        all_rows += [pd.Series({"name": each["name"], "estimate": name} | dict(each)) for name, each in own.items()]
+    return pd.DataFrame(all_rows).reset_index(drop=True), pd.DataFrame(rows).reset_index(drop=True)
+
+
 def _values(answers: xr.Dataset, name: str, n: int) -> Array:
     """Return a variable by case; NaN where springs from a table do not have it."""
     values: Array = answers[name].values if name in answers else np.full(n, np.nan)

@@ -114,30 +114,31 @@ def _along(part: str, a: xr.Dataset, b: xr.Dataset) -> Iterator[Row]:
     """Yield the loads of both at the end of what both have reached, and their largest difference up to there."""
     rules = kind_of(a.attrs)
     driver, load = rules.drives, rules.load
-    end = min(float(_moved(each[driver].values)[-1]) for each in (a, b))
+    end = min(float(moved(each[driver].values)[-1]) for each in (a, b))
     at = f"at {driver} = {1e3 * end:.4g} {'mrad' if driver == 'rotation' else 'mm'}"
     quantities = [load] + [each for each in ("M", "rotation") if load == "H" and each in rules.answers]
     for quantity in quantities:
-        unit, factor = _UNITS[quantity]
-        values = [factor * float(np.interp(end, *_curve(each, driver, quantity))) for each in (a, b)]
+        unit, factor = LOAD_UNITS[quantity]
+        values = [factor * float(np.interp(end, *curve(each, driver, quantity))) for each in (a, b)]
         yield _row(part, f"{quantity} {at} [{unit}]", *values)
     grid = np.linspace(0.0, end, POINTS)
-    loads = [np.interp(grid, *_curve(each, driver, load)) for each in (a, b)]
+    loads = [np.interp(grid, *curve(each, driver, load)) for each in (a, b)]
     if size := float(np.abs(loads[0]).max()):
         largest = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
         yield Row(part, f"largest difference of {load}, in % of the largest", "", number(largest, 3))
 
 
-_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
+LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
 
 
-def _moved(values: Array) -> Array:
+def moved(values: Array) -> Array:
+    """Return the largest distance from the first value so far."""
     return np.maximum.accumulate(np.abs(values - values[0]))
 
 
-def _curve(path: xr.Dataset, driver: str, quantity: str) -> tuple[Array, Array]:
+def curve(path: xr.Dataset, driver: str, quantity: str) -> tuple[Array, Array]:
     """Return the motion from the initial state on, as it grows, and a quantity."""
-    x = _moved(path[driver].values)
+    x = moved(path[driver].values)
     grows = np.concatenate([[True], np.diff(x) > 0.0])
     return x[grows], path[quantity].values[grows]
 

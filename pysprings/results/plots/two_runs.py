@@ -32,12 +32,13 @@ if TYPE_CHECKING:
 
 LOOKS = ((BLUE, "-"), (VERMILLION, "--"), (GREEN, "-."), (PURPLE, ":"))
 DEPTHS = (0.15, 0.5, 0.85)  # of the skirt
+NOISE = 1e-12  # deg, of a translation
 
 
 @styled
 def overlay(runs: Mapping[str, xr.DataTree], name: str) -> Figure:
     """Draw one path of some results or springs by name over each other: load, rotation, and p-y at three depths."""
-    figure = new_figure(9.6, 4.2)
+    figure = new_figure(11.4, 4.2)
     left, middle, right = figure.subplots(1, 3)
     for (run, tree), (colour, line) in zip(runs.items(), cycle(LOOKS), strict=False):
         path = paths_of(tree)[name].dataset
@@ -46,7 +47,8 @@ def overlay(runs: Mapping[str, xr.DataTree], name: str) -> Figure:
         left.plot(x, 1e-3 * path[load].values, line, color=colour, label=plain(run))
         left.set_xlabel(label)
         left.set_ylabel(f"{load} [{'kN m' if load == 'M' else 'kN'}]")
-        middle.plot(x, DEG * path["rotation"].values, line, color=colour)
+        turned = DEG * path["rotation"].values
+        middle.plot(x, np.where(np.abs(turned) < NOISE, 0.0, turned), line, color=colour)
         middle.set_xlabel(label)
         middle.set_ylabel("rotation [deg]")
         _springs(right, path, colour, line)

@@ -122,6 +122,7 @@ KN, MN, MM = 1e-3, 1e-6, 1e3
 
 COLUMNS = (
     Column("case", "name", words=True),
+    Column("estimate", "estimate", words=True),
     Column("limit state", "limit_state", words=True),
     Column("direction [deg]", "direction_deg", brief=False),
     Column("H [kN]", "H_N", factor=KN),

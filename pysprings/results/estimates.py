@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""Runs of the low, best and high estimate of a scene beside each other: tables, workbook, pictures and page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from pysprings.core.columns import Table
+from pysprings.core.files.storage import replacing, write_text
+from pysprings.core.path_kinds import kind_of
+from pysprings.core.text import number
+from pysprings.core.words import ESTIMATES
+from pysprings.results.analysis.two_runs import LOAD_UNITS, Run, common_paths, curve, moved
+from pysprings.results.exporters.csv import write_frame
+from pysprings.results.layout import FIGURES
+from pysprings.springs.path import paths_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SHARES = (0.1, 0.3, 1.0)  # of the motion that all runs reach, where loads are compared
+TABLES = ("load_displacement.csv", "py.csv")  # of each run, which become one with a column more
+POINTS, LEAST = 12, 1.0e-6  # points of a p-y curve side by side, and its least range [m]: vertical paths have none
+_STIFFNESS = (("K_H [MN/m]", 0, 0), ("K_V [MN/m]", 1, 1), ("K_M [MN m/rad]", 2, 2))
+
+
+def folders_of(folder: Path) -> dict[str, Path]:
+    """Return the folders of runs by estimate that a folder holds; none of a folder of one run."""
+    if (folder / "run.json").exists():
+        return {}
+    return {name: folder / name for name in ESTIMATES if (folder / name / "springs.nc").exists()}
+
+
+def write_together(folder: Path, runs: Mapping[str, Run]) -> tuple[list[Path], pd.DataFrame]:
+    """Write what shows the runs of estimates beside each other into their common folder.
+
+    Returns the files, and the table of stiffness and loads at equal motion.
+
+    estimates.csv has stiffness and loads at equal motion, py_side_by_side.csv p-y curves at equal y, both in
+    springs.xlsx; the tables of the runs are joined with a first column `estimate`.
+    """
+    loads, py = pd.DataFrame(_loads(runs)), pd.DataFrame(_py(runs))
+    files = [write_frame(loads, folder / "estimates.csv"), write_frame(py, folder / "py_side_by_side.csv")]
+    files += [_joined(folder, name, runs) for name in TABLES]
+    book = folder / "springs.xlsx"
+    with replacing(book) as temporary, pd.ExcelWriter(temporary, engine="xlsxwriter") as writer:
+        loads.to_excel(writer, sheet_name="loads", index=False)
+        py.to_excel(writer, sheet_name="p-y", index=False)
+    return [*files, book, *_page(folder, runs, loads)], loads
+
+
+def table_of(loads: pd.DataFrame) -> Table:
+    """Return stiffness and loads at equal motion for people."""
+    names = [each for each in ESTIMATES if each in loads]
+    cells = [
+        [str(row["part"]), str(row["quantity"]), *(number(row[each]) for each in names)]
+        for row in loads.to_dict("records")
+    ]
+    return Table("", ("", "quantity", *names), cells, left=(True, True))
+
+
+def _loads(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
+    """Yield initial stiffnesses, and the load of each common path at shares of the motion that all reach."""
+    for quantity, i, j in _STIFFNESS:
+        values = {
+            name: 1e-6 * float(run.result.dataset["stiffness_initial"].values[i, j]) for name, run in runs.items()
+        }
+        yield {"part": "initial stiffness", "quantity": quantity, **values}
+    for name, paths in _common(runs):
+        rules = kind_of(next(iter(paths.values())).attrs)
+        unit, factor = LOAD_UNITS[rules.load]
+        end = min(float(moved(path[rules.drives].values)[-1]) for path in paths.values())
+        for at in (share * end for share in SHARES):
+            motion = f"{1e3 * at:.4g} {'mrad' if rules.drives == 'rotation' else 'mm'}"
+            values = {
+                each: factor * float(np.interp(at, *curve(path, rules.drives, rules.load)))
+                for each, path in paths.items()
+            }
+            yield {"part": f"path {name}", "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
+
+
+def _py(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
+    """Yield p of each run at equal y, by path and depth, up to the y that all reach."""
+    for name, paths in _common(runs):
+        first = next(iter(paths.values()))
+        for k, depth in enumerate(first["depth"].values):
+            curves = {}
+            for each, path in paths.items():
+                at = int(np.argmin(np.abs(path["depth"].values - depth)))
+                y, p = (path[key].transpose("depth", "step").values[at] for key in ("y", "p"))
+                way = moved(y)
+                grows = np.concatenate([[True], np.diff(way) > 0.0])
+                curves[each] = way[grows], np.sign(y[-1]) * p[grows]
+            end = min(float(way[-1]) for way, _ in curves.values())
+            for y in np.linspace(0.0, end, POINTS) if end > LEAST else ():
+                values = {f"p_{each}_N_per_m": float(np.interp(y, *pair)) for each, pair in curves.items()}
+                yield {"path": name, "depth_m": float(first["depth"].values[k]), "y_m": float(y), **values}
+
+
+def _common(runs: Mapping[str, Run]) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
+    """Yield the paths that all runs have."""
+    first, *others = runs.values()
+    for name in paths_of(first.result):
+        if all(name in common_paths(first, other) for other in others):
+            yield name, {each: paths_of(run.result)[name].dataset for each, run in runs.items()}
+
+
+def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
+    """Write a table of all runs with a first column `estimate`."""
+    lines: list[str] = []
+    for name in runs:
+        head, *rows = (folder / name / table).read_text(encoding="utf-8").splitlines()
+        lines += [f"estimate,{head}"] * (not lines) + [f"{name},{row}" for row in rows]
+    return write_text("\n".join(lines) + "\n", folder / table)
+
+
+def _page(folder: Path, runs: Mapping[str, Run], loads: pd.DataFrame) -> list[Path]:
+    """Draw each path of all runs over each other, and write the page with these pictures and the table."""
+    from pysprings.results.plots.files import save
+    from pysprings.results.plots.two_runs import overlay
+    from pysprings.results.report.page import Picture, page_html, picture_uri
+
+    (folder / FIGURES).mkdir(exist_ok=True)
+    trees = {name: run.result for name, run in runs.items()}
+    files = [file for name, _ in _common(runs) for file in save(overlay(trees, name), folder / FIGURES / name)]
+    pictures = [Picture(f"path {file.stem}", picture_uri(file.read_bytes(), file.suffix)) for file in files]
+    title = next(iter(runs.values())).result.attrs["title"]
+    status = {name: str(run.record.status) for name, run in runs.items()}
+    page = page_html("estimates.html.j2", title=title, status=status, loads=table_of(loads), pictures=pictures)
+    return [write_text(page, folder / "report.html"), *files]

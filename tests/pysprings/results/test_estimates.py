@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: MIT
+"""Runs of several estimates: folders, files side by side, load cases over them, exports, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+
+from pysprings.studies.design import governing
+from tests.support import tiny
+from tests.support.commands import Result, command
+
+NAMES = ["low", "best", "high"]
+
+
+def text(ranged: bool = True) -> str:
+    """An elastic soil, whose loads are in proportion to its modulus; the penalty goes with it."""
+    soil = {"yield_surface": "elastic", "young_modulus": 100e6}
+    pull = {**tiny.PULL, "lateral_displacement": 1e-5}
+    plain = tiny.scene(soil=soil, interface={"friction_coefficient": 5.0}, paths=(pull,)).to_toml()
+    modulus = '{ low = "80 MPa", best = "100 MPa", high = "150 MPa" }' if ranged else '"100 MPa"'
+    head, tail = plain.split("[soil]", 1)
+    return head + "[soil]" + tail.replace('young_modulus = "100 MPa"', f"young_modulus = {modulus}", 1)
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    place = tmp_path_factory.mktemp("ran")
+    (place / "a.toml").write_text(text())
+    options = [word for name in ("high", "low", "best") for word in ("--estimate", name)]
+    return place / "out", command("run", place / "a.toml", "--out", place / "out", *options)
+
+
+def test_a_folder_for_each_estimate_and_files_of_all(ran: tuple[Path, Result]) -> None:
+    folder, done = ran
+    assert done.code == 0, done.err
+    for name in NAMES:
+        record = json.loads((folder / name / "run.json").read_text())
+        assert record["status"] == "complete" and f"({name} estimate)" in record["scene_toml"]
+    assert {
+        "estimates.csv",
+        "py.csv",
+        "load_displacement.csv",
+        "py_side_by_side.csv",
+        "springs.xlsx",
+        "report.html",
+    } < {each.name for each in folder.iterdir()}
+    assert (folder / "figures" / "pull.png").exists()
+    page = (folder / "report.html").read_text()
+    assert all(f'href="{name}/report.html"' in page for name in NAMES) and "data:image/png" in page
+
+
+def test_loads_side_by_side_are_in_proportion_to_the_stiffness(ran: tuple[Path, Result]) -> None:
+    table = pd.read_csv(ran[0] / "estimates.csv")
+    assert list(table.columns) == ["part", "quantity", *NAMES]
+    assert (table["low"] / table["best"]).to_numpy() == pytest.approx(np.full(len(table), 0.8), rel=0.01)
+    assert (table["high"] / table["best"]).to_numpy() == pytest.approx(np.full(len(table), 1.5), rel=0.01)
+    curves = pd.read_csv(ran[0] / "py_side_by_side.csv")
+    moved = curves[curves["y_m"] > 1e-6]
+    ratio = moved["p_high_N_per_m"] / moved["p_best_N_per_m"]
+    assert len(moved) > 10 and ratio.to_numpy() == pytest.approx(np.full(len(moved), 1.5), rel=0.01)
+    book = openpyxl.load_workbook(ran[0] / "springs.xlsx")
+    assert [cell.value for cell in book["loads"][1]] == ["part", "quantity", *NAMES]
+
+
+def test_tables_of_the_runs_are_joined_with_their_estimate(ran: tuple[Path, Result]) -> None:
+    for name in ("py.csv", "load_displacement.csv"):
+        joined = pd.read_csv(ran[0] / name)
+        assert joined["estimate"].drop_duplicates().tolist() == NAMES
+        for estimate, part in joined.groupby("estimate"):
+            own = pd.read_csv(ran[0] / str(estimate) / name)
+            assert part.drop(columns="estimate").reset_index(drop=True).equals(own)
+
+
+def test_load_cases_show_the_largest_over_the_estimates(ran: tuple[Path, Result], tmp_path: Path) -> None:
+    cases = tmp_path / "cases.csv"
+    cases.write_text("case,H [kN],arm [m]\na,20,0\n")
+    options = ("--springs", "py", "--extrapolate", "--json")
+    both = json.loads(command("design", ran[0], cases, *options).out)
+    low = json.loads(command("design", ran[0] / "low", cases, *options).out)["cases"][0]
+    (row,) = both["cases"]
+    assert row["u_m"] == low["u_m"] and "low (u" in row["estimate"]
+    assert [each["estimate"] for each in both["estimates"]] == NAMES
+    assert "--report: needs the folder of a run" in command("design", ran[0], cases, "--report").err
+
+
+def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
+    """The largest utilisation is that of any estimate; the worst verdict counts."""
+    common = {"name": "a", "w_m": 0.0, "tilt_used": 0.1, "utilisation_V": 0.2, "marks": ""}
+    none = {"u_m": np.nan, "rotation_rad": np.nan, "answered": 0, "verdict": "no answer"}
+    some = {"u_m": 0.01, "rotation_rad": 1e-3, "answered": 1, "verdict": "ok"}
+    rows = {"low": {**common, **none, "utilisation": 1.2}, "high": {**common, **some, "utilisation": 0.6}}
+    answers, worst = governing({name: pd.DataFrame([row]) for name, row in rows.items()})
+    assert answers["estimate"].tolist() == ["low", "high"]
+    assert np.isnan(worst["u_m"][0]) and worst["utilisation"][0] == 1.2 and worst["verdict"][0] == "no answer"
+    assert worst["estimate"][0].startswith("low (utilisation")
+
+
+def test_exports_are_in_the_folders_of_the_estimates_and_name_them(ran: tuple[Path, Result], tmp_path: Path) -> None:
+    done = command("export", ran[0], "--to", "csv", "--out", tmp_path)
+    assert done.code == 0, done.err
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(NAMES)
+
+
+def test_commands_of_one_run_ask_for_one_estimate(ran: tuple[Path, Result]) -> None:
+    done = command("predict", ran[0], "--H", "1 kN", "--arm", "0 m")
+    assert done.code == 2 and "holds the estimates low, best, high: name the folder of one of them" in done.err
+
+
+def test_one_estimate_is_a_run_of_its_own(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(text())
+    done = command("run", tmp_path / "a.toml", "--out", tmp_path / "one", "--estimate", "low", "--json")
+    assert done.code == 0 and json.loads(done.out)["run"]["status"] == "complete"
+
+
+@pytest.mark.parametrize(
+    ("ranged", "options", "message"),
+    [
+        (False, ("low",), "--estimate: no value of the scene has a range"),
+        (False, ("low", "high"), "--estimate: no value of the scene has a range"),
+        (True, ("lowest",), "--estimate: 'lowest' is none of low, best, high"),
+    ],
+)
+def test_what_is_no_estimate_is_refused(tmp_path: Path, ranged: bool, options: tuple[str, ...], message: str) -> None:
+    (tmp_path / "a.toml").write_text(text(ranged))
+    words = [word for each in options for word in ("--estimate", each)]
+    done = command("run", tmp_path / "a.toml", "--out", tmp_path / "out", *words)
+    assert done.code == 2 and message in done.err
+
+
+def test_a_folder_of_one_run_takes_no_estimates(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(text())
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "run.json").write_text("{}")
+    done = command("run", tmp_path / "a.toml", "--out", tmp_path / "out", "--estimate", "low", "--estimate", "best")
+    assert done.code == 2 and "holds one run: choose another folder" in done.err
