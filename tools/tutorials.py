@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Run the commands of the tutorials and the first-run page, store what they print: ``python -m tools.tutorials``.
 
-Each page is run in a folder of its own, its scenes (blocks that begin with ``title``) under the name that its commands
-have. What the commands print goes to ``data/tutorials/PAGE.txt``; `tests/docs/test_numbers.py` compares the numbers of
-the pages with it. Four minutes; ``--only PAGE`` runs one.
+Each page is run in a folder of its own with the files `data/tutorials/PAGE-*`, its scenes (blocks that begin with
+``title``) under the name that its commands have. What the commands print goes to ``data/tutorials/PAGE.txt``;
+`tests/docs/test_numbers.py` compares the numbers of the pages with it. Ten minutes; ``--only PAGE`` runs one.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -48,6 +49,8 @@ def printed(name: str) -> str:
     with tempfile.TemporaryDirectory() as folder:
         scenes = [block for block in blocks(PAGES[name], "toml") if block.startswith("title")]
         files = [word for line in lines for word in line.split() if word.endswith(".toml")]
+        for file in STORED.glob(f"{name}-*"):
+            shutil.copy(file, folder)
         for text in scenes:
             (Path(folder) / files[0]).write_text(text, encoding="utf-8")
         parts = []

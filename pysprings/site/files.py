@@ -130,9 +130,17 @@ def _add_table(site: Site, path: Path) -> None:
         raise refused(path, f"no headings {what} were found")
 
 
+def _table(path: Path, columns: Sequence[Column], what: str, sheets: list[Sheet]) -> Table:
+    """Return the table of a file, without unknown columns; refuse one without rows."""
+    table = one_table(path, columns, what, lenient=True, sheets=sheets)
+    if not len(table):
+        raise refused(path, "has no rows below its headings", table.head_line)
+    return table
+
+
 def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     """Return the tests of a table, one a location."""
-    table = one_table(path, _TEST_COLUMNS, "a CPT", lenient=True, sheets=sheets)
+    table = _table(path, _TEST_COLUMNS, "a CPT", sheets)
     names = table.texts("location")
     given = {name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u")}
     table.faults.stop()
@@ -154,14 +162,16 @@ def _value_columns() -> tuple[Column, ...]:
 
 
 def _points(path: Path, sheets: list[Sheet]) -> Points:
-    table = one_table(path, _value_columns(), "points by depth", lenient=True, sheets=sheets)
+    table = _table(path, _value_columns(), "points by depth", sheets)
     depth = table.numbers("depth", most=False)
     values = _values(table)
     table.faults.stop()
     if not values:
         message = "no column of values: su [kPa], Total unit weight [kN/m3], Gmax [MPa], Vs [m/s], Dr [-], phi [deg]"
         raise refused(path, message, table.head_line)
-    good = np.isfinite(depth)
+    good = np.isfinite(depth) & (depth >= 0.0)
+    if not good.any():
+        raise refused(path, "no row has a depth below mudline, 0 or more", table.head_line)
     return Points(table.place, depth[good], {key: value[good] for key, value in values.items()})
 
 
@@ -196,7 +206,7 @@ def _values(table: Table, end: str = "") -> dict[str, Array]:
 
 
 def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
-    table = one_table(path, _value_columns(), "layers", lenient=True, sheets=sheets)
+    table = _table(path, _value_columns(), "layers", sheets)
     ends = {name: table.numbers(name, most=False) for name in ("top", "bottom")}
     firsts, lasts = _values(table, "from"), _values(table, "to")
     tops, bottoms = row_ends(table, ends)
@@ -207,7 +217,7 @@ def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
     names = table.texts("name")
     return [
         Bed(table.place, int(table.lines[k]), float(tops[k]), float(bottoms[k]), names[k] or f"layer {k + 1}",
-            {key: (float(firsts[key][k]), float(lasts[key][k])) for key in firsts
-             if np.isfinite(firsts[key][k]) and np.isfinite(lasts[key][k])})
+            {key: (float(first[k]), float(lasts.get(key, first)[k])) for key, first in firsts.items()
+             if np.isfinite(first[k]) and np.isfinite(lasts.get(key, first)[k])})
         for k in range(len(table))
     ]  # fmt: skip

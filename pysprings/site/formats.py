@@ -72,20 +72,27 @@ def read_gef(path: Path, text: str) -> list[Sounding]:
     columns = _gef_columns(path, head)
     first = {key: parts[0] for _, key, parts in reversed(head)}
     rows = _gef_rows(path, lines, end + 1, first, max(at for at, _ in columns.values()))
-    voids = {int(parts[0]) - 1: float(parts[1]) for _, key, parts in head if key == "COLUMNVOID" and len(parts) > 1}
+    voids = {number - 1: _number(text, np.nan) for number, text in _numbered(head, "COLUMNVOID").items()}
     given = {}
     for channel, (at, scale) in columns.items():
         values = rows[:, at]
         given[channel] = np.where(values == voids.get(at, np.nan), np.nan, values) * scale
-    measured = {int(parts[0]): parts[1] for _, key, parts in head if key == "MEASUREMENTVAR" and len(parts) > 1}
+    measured = _numbered(head, "MEASUREMENTVAR")
     return [sounding(str(path), first.get("TESTID", path.stem), given, _number(measured.get(3)) or None,
                      _number(measured.get(13)))]  # fmt: skip
+
+
+def _numbered(head: Sequence[tuple[int, str, list[str]]], key: str) -> dict[int, str]:
+    """Return the second part of the lines of a key by their number."""
+    return {
+        int(parts[0]): parts[1] for _, name, parts in head if name == key and len(parts) > 1 and parts[0].isdecimal()
+    }
 
 
 def _gef_columns(path: Path, head: Sequence[tuple[int, str, list[str]]]) -> dict[str, tuple[int, float]]:
     """Return place and factor to SI of each channel."""
     infos = {int(parts[3]): (line, int(parts[0]) - 1, parts[1]) for line, key, parts in head
-             if key == "COLUMNINFO" and len(parts) > 3 and parts[0].isdigit() and parts[3].isdigit()}  # fmt: skip
+             if key == "COLUMNINFO" and len(parts) > 3 and parts[0].isdecimal() and parts[3].isdecimal()}  # fmt: skip
     columns = {}
     for channel, quantities in _GEF.items():
         number = next((each for each in quantities if each in infos), None)
@@ -119,11 +126,11 @@ def _gef_rows(path: Path, lines: Sequence[str], start: int, head: dict[str, str]
     return np.array(rows).reshape(-1, last + 1)
 
 
-def _number(text: str | None) -> float:
+def _number(text: str | None, default: float = 0.0) -> float:
     try:
-        return float(text or 0.0)
+        return float(text or default)
     except ValueError:
-        return 0.0
+        return default
 
 
 # --- AGS 4 ---
@@ -223,6 +230,8 @@ def read_bro(path: Path, raw: bytes) -> list[Sounding]:
         root = ElementTree.fromstring(raw)
     except ElementTree.ParseError as error:
         raise refused(path, f"is no well-formed XML ({error})", error.position[0]) from None
+    except (LookupError, ValueError) as error:  # of its encoding
+        raise refused(path, f"is no XML that can be read ({error})", 1) from None
     for each in root.iter():
         each.tag = each.tag.rpartition("}")[2]
     tests = [each for each in root.iter("CPT_O") if each.find(".//cptResult/values") is not None]

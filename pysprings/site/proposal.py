@@ -31,6 +31,7 @@ NEEDED = {
     "sand": ("friction_angle_final", "shear_modulus", "effective_unit_weight"),
     "clay": ("undrained_shear_strength", "shear_modulus", "effective_unit_weight"),
 }
+FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
 FEWEST_POINTS = 3  # in a layer, for a range
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
@@ -281,7 +282,12 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
         counted = [each for each in found if each[2] <= 0.5] or found
         fewer = len(counted) < len(found)
         lines = np.array([line for line, _, _ in counted])
-        three = np.array([lines.min(axis=0), np.median(lines, axis=0), lines.max(axis=0)])
+        best, least = np.median(lines, axis=0), FLOORS.get(key, 0.0)
+        low, high = (
+            np.minimum(lines.min(axis=0), (1.0 - least) * best),
+            np.maximum(lines.max(axis=0), (1.0 + least) * best),
+        )
+        three = np.array([low, best, high])
         outside = tuple(
             f"{each.name} ({each.range}) in {share:.0%} of the rows" + ", left out" * (fewer and share > 0.5)
             for _, each, share in found if share > MARKED

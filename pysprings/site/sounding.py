@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 PA = 1.0e5  # Pa, atmospheric pressure of the normalisations
 AREA_RATIO = 0.8  # of a cone whose file gives none
 LEAST_STRESS = 1.0e3  # Pa, below which normalisations use it
+# beyond these a unit is wrong: m, Pa, Pa, share
+MOST_DEPTH, MOST_CONE, LEAST_CONE, MOST_FRICTION = 500.0, 200.0e6, 20.0e3, 0.3
 CHANNELS = ("depth", "qc", "qt", "fs", "Rf", "u2")
 
 
@@ -76,16 +78,17 @@ def sounding(
         depth = -depth
         notes.append("depths are negative: taken as depths below mudline")
     cone = np.where(np.isfinite(channel["qc"]), channel["qc"], channel["qt"])
-    good = np.isfinite(depth) & (depth >= 0.0) & (cone > 0.0) & (depth >= drilled)
+    good = np.isfinite(depth) & np.isfinite(cone) & (depth >= max(drilled, 0.0)) & (cone > 0.0)
     if drilled > 0.0:
         notes.append(f"rows above the pre-drilled depth of {drilled:g} m are left out")
     if good.sum() < 3:
         message = f"holds {int(good.sum())} rows with depth and cone resistance: a CPT needs three at least"
         raise UserInputError([Problem(place, message=message)])
+    sleeve = np.where(np.isfinite(channel["fs"]), channel["fs"], channel["Rf"] * cone)
+    _refuse_units(place, depth[good], cone[good], sleeve[good])
     if missing := int((~good & (np.nan_to_num(depth, nan=drilled) >= drilled)).sum()):
         notes.append(f"{missing} of {length} rows without depth or positive cone resistance are left out")
     order = np.flatnonzero(good)[np.argsort(depth[good], kind="stable")]
-    sleeve = np.where(np.isfinite(channel["fs"]), channel["fs"], channel["Rf"] * cone)
     pressure = channel["u2"][order]
     if not np.isfinite(pressure).any() and not np.isfinite(channel["qt"]).any():
         notes.append("no pore pressure u2: q_t = q_c, which is too small in soft clay")
@@ -94,6 +97,21 @@ def sounding(
     return Sounding(
         place, name, depth[order], cone[order], sleeve[order], pressure, channel["qt"][order], area_ratio, tuple(notes)
     )
+
+
+def _refuse_units(place: str, depth: Array, cone: Array, sleeve: Array) -> None:
+    """Refuse depths, resistances and frictions that no test has: their units are wrong."""
+    known = np.isfinite(sleeve)
+    friction = float(np.median(sleeve[known] / cone[known])) if known.any() else 0.0
+    deepest, most = float(depth.max()), float(cone.max())
+    for wrong, what in (
+        (deepest > MOST_DEPTH, f"a depth of {deepest:g} m, beyond {MOST_DEPTH:g} m"),
+        (most > MOST_CONE, f"a cone resistance of {1e-6 * most:.4g} MPa, beyond {1e-6 * MOST_CONE:g} MPa"),
+        (most < LEAST_CONE, f"no cone resistance above {1e-3 * most:.3g} kPa"),
+        (friction > MOST_FRICTION, f"a sleeve friction of {100.0 * friction:.3g} % of the cone resistance"),
+    ):
+        if wrong:
+            raise UserInputError([Problem(place, message=f"has {what}: is the unit right?")])
 
 
 def unit_weight(cone: Array, sleeve: Array) -> Array:
