@@ -212,7 +212,8 @@ def _refuse_kinds(table: Table) -> None:
 
 
 def _is_kind(place: str, kind: str) -> UserInputError:
-    what = "write a table with a row a layer: Depth from [m], Depth to [m], unit weight, strength and stiffness"
+    what = "`pysprings ground FILE --out site.csv` makes one of it; or write one with a row a layer: Depth from [m], " \
+           "Depth to [m], unit weight, strength and stiffness"  # fmt: skip
     return UserInputError([Problem(place, key="soil.profile", message=f"is {kind}, no table of layers: {what}")])
 
 

@@ -194,7 +194,7 @@ SAND = (
     ),
     *(
         Correlation("degradation_strain", f"Darendeli 2001, {stress} kPa", "p' 10 to 200 kPa", _constant(strain),
-                    lambda r: r.effective <= 300e3)
+                    lambda r: ~(r.effective > 300e3))
         for stress, strain in ((10, 0.95e-4), (200, 1.9e-4))
     ),
 )  # fmt: skip

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pysprings.core.tables import ENDINGS, Column, Sheet, Table, is_table, one_table, sheets_of, split
 from pysprings.core.tables.headings import TEXT
 from pysprings.scene.profile_table import EPS50, NAMES, TOTAL, VELOCITY, WATER, columns, row_ends
+from pysprings.scene.sections import BY_LAYER
 from pysprings.site.formats import read_ags, read_bro, read_gef, refused
 from pysprings.site.sounding import Sounding, sounding
 
@@ -34,9 +35,7 @@ _TEST_COLUMNS = (
 )  # fmt: skip
 _DENSITY = Column("relative_density", "1", ("dr", "density index", "id", "d r"), "", "", 0.01)
 _PEAKS = ("su peak q", "su uu", "su dss", "su cauc", "cu peak", "failure shear stress", "peak shear stress")
-# values that points and layers may give, with what stands in their place for a scene
-MEASURED = ("undrained_shear_strength", "relative_density", "friction_angle_final", "shear_modulus", "cohesion",
-            "effective_unit_weight", "strain_at_half_strength")  # fmt: skip
+MEASURED = (*BY_LAYER, "relative_density")  # what points and layers may give
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Points:
 
 @dataclass(frozen=True)
 class Bed:
-    """A layer of a table: file and line, its ends [m], its name, and values at both ends, by key in SI."""
+    """A layer of a table: file and line, ends [m], name, values at both ends by key in SI, law (blank for none)."""
 
     place: str
     line: int | None
@@ -58,6 +57,7 @@ class Bed:
     bottom: float
     name: str
     values: dict[str, tuple[float, float]]
+    law: str = ""
 
 
 @dataclass
@@ -214,10 +214,10 @@ def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
     for k in np.flatnonzero(~(bottoms > tops)).tolist():
         table.fault(k, "bottom", "is blank, or not below the top of the layer")
     table.faults.stop()
-    names = table.texts("name")
+    names, laws = table.texts("name"), table.texts("law")
     return [
         Bed(table.place, int(table.lines[k]), float(tops[k]), float(bottoms[k]), names[k] or f"layer {k + 1}",
             {key: (float(first[k]), float(lasts.get(key, first)[k])) for key, first in firsts.items()
-             if np.isfinite(first[k]) and np.isfinite(lasts.get(key, first)[k])})
+             if np.isfinite(first[k]) and np.isfinite(lasts.get(key, first)[k])}, laws[k])
         for k in range(len(table))
     ]  # fmt: skip

@@ -15,7 +15,10 @@ import numpy as np
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import UserInputError
 from pysprings.core.text import one_line
+from pysprings.core.units import read, si_of
 from pysprings.core.words import ESTIMATES
+from pysprings.scene.profile_table import field_of
+from pysprings.scene.sections import BY_LAYER
 from pysprings.site.proposal import Proposal, Unit, Value
 
 LAWS = {"sand": "van-eekelen", "clay": "tresca"}
@@ -40,10 +43,20 @@ VALUES = {
     "cohesion": Shown("Cohesion", "c", "kPa", 1e-3),
     "K0": Shown("K0", "K0", "-"),
     "undrained_shear_strength": Shown("su", "su", "kPa", 1e-3),
+    "young_modulus": Shown("Young modulus", "E", "MPa", 1e-6),
     "shear_modulus": Shown("G", "G_0", "MPa", 1e-6),
     "degradation_strain": Shown("Degradation strain", "gamma_0.7", "-"),
     "strain_at_half_strength": Shown("Strain at half strength", "gamma_50", "-"),
 }
+
+
+def _shown(key: str) -> Shown:
+    """Return how a value that tables of layers give is written."""
+    unit, words = field_of(key).unit, key.replace("_", " ")
+    return Shown(words, words, "-") if unit == "1" else Shown(words, words, unit, 1.0 / read(f"1 {unit}", si_of(unit)))
+
+
+VALUES |= {key: _shown(key) for key in BY_LAYER if key not in VALUES}
 
 
 def _rounded(value: float) -> float:
@@ -91,7 +104,8 @@ def _of(unit: Unit) -> Iterator[tuple[str, Shown, Value]]:
 def remarks(proposal: Proposal) -> list[str]:
     """Return what was assumed, what is outside its range, and what is missing, a sentence each."""
     out = list(proposal.notes)
-    if any("friction_angle_final" in unit.values for unit in proposal.units):
+    angles = [unit.values["friction_angle_final"] for unit in proposal.units if "friction_angle_final" in unit.values]
+    if any(not each.sources[0].startswith("given") for each in angles):
         out.append("phi of correlations are peak angles of triaxial compression: too strong where sand has softened")
     for k, unit in enumerate(proposal.units, start=1):
         marks = [f"{shown.symbol} outside the range of {', '.join(value.outside)}"
@@ -136,7 +150,7 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
     for unit in proposal.units:
         row = [_rounded(unit.values[key].lines[k, end] * VALUES[key].factor) if key in unit.values else None
                for _, key, k, end in heads]  # fmt: skip
-        table.append([unit.top, unit.bottom, unit.name, LAWS[unit.kind], *row])
+        table.append([unit.top, unit.bottom, unit.name, unit.law or LAWS[unit.kind], *row])
     sources = [f"layer {k}, {shown.symbol}: {'; '.join(value.sources)}"
                for k, unit in enumerate(proposal.units, start=1) for _, shown, value in _of(unit)]  # fmt: skip
     head = f"proposed by pysprings ground from {', '.join(files)}: to be read and edited before a run"

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.scene.profile_table import WATER
+from pysprings.scene.soils import STIFFNESSES
 from pysprings.site.correlations import CONE_FACTORS, SAND, Correlation, Rows, clay, dilation
 from pysprings.site.files import Bed, Points, Site
 from pysprings.site.layering import boundaries
@@ -25,13 +26,17 @@ from pysprings.site.sounding import SAND_TO, TRANSITION, Sounding, behaviour_ind
 
 Array = NDArray[np.float64]
 
-LINEAR = ("undrained_shear_strength", "shear_modulus", "cohesion")  # by depth; the others are means of a layer
+LINEAR = (
+    "undrained_shear_strength",
+    "shear_modulus",
+    "young_modulus",
+    "cohesion",
+)  # by depth; the others are means of a layer
 SOFTER = ("strain_at_half_strength",)  # where the greatest value makes the softest ground
-NEEDED = {
-    "sand": ("friction_angle_final", "shear_modulus", "effective_unit_weight"),
-    "clay": ("undrained_shear_strength", "shear_modulus", "effective_unit_weight"),
-}
+STRENGTH = {"sand": "friction_angle_final", "clay": "undrained_shear_strength"}
+WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
+_MEASURED = ("shear_modulus", "effective_unit_weight", "relative_density", *WITH_STRAIN)  # of points, beside strength
 MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
 FEWEST_POINTS = 3  # in a layer, for a range
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
@@ -48,7 +53,7 @@ class Value:
 
 @dataclass
 class Unit:
-    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test in it, values by scene key."""
+    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, given law, values by key."""
 
     top: float
     bottom: float
@@ -56,6 +61,7 @@ class Unit:
     kind: str
     index: float = np.nan
     rows: int = 0
+    law: str = ""
     values: dict[str, Value] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
@@ -105,9 +111,9 @@ def propose(site: Site, options: Options) -> Proposal:
         depth, rows = _ends_as_rows(units, site)
     for unit in units:
         _fill(unit, rows, depth, site, options)
-    if not any(set(unit.values) & {*LINEAR, "friction_angle_final"} for unit in units):
+    if not any(set(unit.values) & {*STRENGTH.values(), *STIFFNESSES} for unit in units):
         places = [each.place for each in (*site.beds, site.points) if each]
-        message = "gives neither strength nor stiffness nor relative density of any layer: no ground follows from it"
+        message = "gives neither strength nor stiffness nor relative density: add columns su, phi, Dr, Gmax or E"
         raise refused(None, message, places[0])
     return Proposal(units, chosen, rows, depth, site.points, [*notes, *_cone_factor(rows, depth, units, site)])
 
@@ -229,13 +235,15 @@ def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) ->
     if own.any():
         _correlated(unit, part, depth[own], ends, SAND if unit.kind == "sand" else clay(options.cone_factors))
     _derived(unit)
-    if missing := [key for key in NEEDED[unit.kind] if key not in unit.values]:
+    missing = [key for key in (STRENGTH[unit.kind], "effective_unit_weight") if key not in unit.values]
+    if missing := missing + ["shear_modulus"] * set(unit.values).isdisjoint(STIFFNESSES):
         unit.remarks.append(f"nothing gives {', '.join(missing)}: fill it in")
 
 
 def _given(unit: Unit, beds: Sequence[Bed]) -> None:
     for bed in beds:
         if (bed.top, bed.bottom, bed.name) == (unit.top, unit.bottom, unit.name):
+            unit.law = bed.law
             for key, line in bed.values.items():
                 unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",))
 
@@ -248,7 +256,7 @@ def _measured(unit: Unit, points: Points, ends: Array, beside: bool) -> None:
     for key, values in points.values.items():
         own = _inside(unit, points.depth) & np.isfinite(values)
         count = int(own.sum())
-        if not count or key in unit.values or key not in (*NEEDED[unit.kind], "relative_density", *SOFTER):
+        if not count or key in unit.values or key not in (STRENGTH[unit.kind], *_MEASURED):
             continue
         if count < FEWEST_POINTS and beside:
             unit.remarks.append(f"{count} measured {key}: too few for a line, drawn alone")
@@ -266,9 +274,13 @@ def _measured(unit: Unit, points: Points, ends: Array, beside: bool) -> None:
 def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations: Sequence[Correlation]) -> None:
     """Put the least, middle and greatest line of correlations into a layer, key by key.
 
-    A correlation with most rows outside its range counts only where every other one has that, too.
+    A correlation with most rows outside its range counts only where fewer than two are inside. A stiffness that is
+    given as Young's modulus, G/su or by plasticity is that of the strains of the load, and stays alone.
     """
+    given = set(unit.values) & {*STIFFNESSES} - {"shear_modulus"}
     for key in dict.fromkeys(each.gives for each in correlations):
+        if given and key in ("shear_modulus", *WITH_STRAIN):
+            continue
         found: list[tuple[Array, Correlation, float]] = []
         for each in (each for each in correlations if each.gives == key and key not in unit.values):
             values = each.of(rows)
@@ -279,7 +291,8 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
             rows = rows.with_density(np.interp(depth, ends, unit.values[key].lines[1]))
         if not found:
             continue
-        counted = [each for each in found if each[2] <= 0.5] or found
+        inside = [each for each in found if each[2] <= 0.5]
+        counted = inside if len(inside) > 1 else found
         fewer = len(counted) < len(found)
         lines = np.array([line for line, _, _ in counted])
         best, least = np.median(lines, axis=0), FLOORS.get(key, 0.0)

@@ -179,11 +179,22 @@ def test_layers_with_density_alone_become_a_ground(tmp_path) -> None:
     assert middle(first, "degradation_strain") == pytest.approx(1.4e-4)
 
 
+def test_what_layers_give_stays_as_it_is(tmp_path) -> None:
+    """A stiffness of the strains of the load has no degradation beside it; law, permeability and phi go through."""
+    table = "top [m],bottom [m],Soil type,law,phi [deg],E from [MPa],E to [MPa],Permeability [m/s],gamma' [kN/m3]\n"
+    (tmp_path / "a.csv").write_text(table + "0,4,Sand,drucker-prager,35,20,40,1e-4,9\n")
+    assert command("ground", tmp_path / "a.csv", "--out", tmp_path / "b.csv", "--no-figures").code == 0
+    (layer,) = read_layers(tmp_path / "b.csv")
+    assert (layer["law"], layer["hydraulic_conductivity"]) == ("drucker-prager", "1e-4 m/s")
+    assert layer["young_modulus"] == {"top": "20 MPa", "bottom": "40 MPa", "to": "4 m"}
+    assert not {"shear_modulus", "degradation_strain"} & set(layer)
+
+
 @pytest.mark.parametrize(
     ("table", "message"),
     [
         ("Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3]\n0,3,SAND,18\n3,40,CLAY,17\n",
-         "a.csv: gives neither strength nor stiffness nor relative density of any layer"),
+         "a.csv: gives neither strength nor stiffness nor relative density: add columns su, phi"),
         ("Depth from [m],Depth to [m],Soil type,su [kPa]\n0,3,Unit A,18\n3,40,Unit B,\n",
          "a.csv:3: 'Unit B': sand or clay?"),
         ("Depth from [m],Depth to [m],Soil type,Dr [-]\n0,3,SAND,Loose\n",
@@ -199,7 +210,7 @@ def test_layers_that_give_no_ground_are_refused(tmp_path, table, message) -> Non
 def test_what_no_correlation_gives_is_named(tmp_path) -> None:
     (tmp_path / "lab.csv").write_text("Depth [m],su [kPa]\n2,31\n6,48\n")
     done = command("ground", tmp_path / "lab.csv")
-    assert "nothing gives shear_modulus, effective_unit_weight: fill it in" in done.out
+    assert "nothing gives effective_unit_weight, shear_modulus: fill it in" in done.out
     assert "2 measured undrained_shear_strength: no range" in done.out
 
 
