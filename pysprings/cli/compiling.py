@@ -79,7 +79,7 @@ def compile_first(scene: Scene, quiet: bool = False) -> None:
 
 def _kind(scene: Scene) -> str:
     """Return what decides the loops that runs of a scene need."""
-    paths = sorted({f"{path.kind} {bool(path.rate)}" for path in scene.load_paths})
+    paths = sorted({f"{path.kind} {bool(path.rate)}" for path in scene.all_paths})
     words = scene.mesh.discretisation, scene.caisson.behaviour, scene.drainage.mode, scene.solver.linear
     laws = sorted({stratum.law for stratum in scene.ground.strata})
     contact = scene.interface.opening, scene.interface.adhesion_factor is not None

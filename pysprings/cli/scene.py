@@ -101,7 +101,7 @@ def on_mesh(scene: Scene, preset: str | None) -> Scene:
 
 def description(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
     """Return the document that `pysprings check --json` prints."""
-    paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.load_paths]
+    paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.all_paths]
     head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
     return {**head, "left_out": [], **about}
 
@@ -139,7 +139,7 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
 
     print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
-    paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.load_paths)
+    paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.all_paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
     apart = ("ground", "left_out", "warnings", "defaulted")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]

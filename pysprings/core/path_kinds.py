@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Kinds of load path: what each imposes, what answers, and which keys of a scene it uses. A new kind is one entry here.
 
-Degrees of freedom of the caisson: u, w, rotation; loads H, V, M in the same order.
+Degrees of freedom of the caisson: u, w, rotation; loads H, V, M in the same order. A path that leaves one plane moves
+it in six: `MOTIONS`, `LOADS`.
 """
 
 from __future__ import annotations
@@ -11,9 +12,18 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 Dof = Literal["u", "w", "rotation"]
+MOTIONS = ("u_x", "u_y", "w", "rot_x", "rot_y", "rot_z")
+LOADS = ("H_x", "H_y", "V", "M_x", "M_y", "T")
 VERTICAL = "vertical"
 # keys of a scene that hold an imposed quantity, and the unit in which messages show it
-UNITS = {"lateral_displacement": "mm", "rotation": "deg", "vertical_displacement": "mm", "lateral_force": "MN"}
+UNITS = {
+    "lateral_displacement": "mm",
+    "rotation": "deg",
+    "vertical_displacement": "mm",
+    "lateral_force": "MN",
+    "twist": "mrad",
+    "radius": "mm",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +48,8 @@ class PathKind:
     conjugate : the load keeps its direction (`load_angle`), and the displacement conjugate to it is imposed.
     limited : the path ends where the caisson has moved too far for a foundation.
     pairs : what follows (`then`) may give two end values: "H, M" under given loads, "u, rotation" of imposed motions.
+    space : the path leaves the plane of one load.
+    turns : what follows may lead on in another direction ("12 mm towards 90 deg").
     """
 
     imposed: str
@@ -57,6 +69,8 @@ class PathKind:
     conjugate: bool = False
     limited: bool = False
     pairs: bool = False
+    space: bool = False
+    turns: bool = False
 
     @property
     def has_velocity(self) -> bool:
@@ -67,11 +81,11 @@ class PathKind:
 PATH_KINDS: Mapping[str, PathKind] = {
     "pull": PathKind(
         "lateral_displacement", "u", "H", "rotation", ("H", "rotation"), ("u",), frozenset({"arm", "rate"}),
-        free_head=True,
+        free_head=True, turns=True,
     ),
     "translation": PathKind(
         "lateral_displacement", "u", "H", "M", ("H", "M"), ("u", "rotation"), frozenset({"rotation", "rate"}),
-        straight=True,
+        straight=True, turns=True,
     ),
     "rotation": PathKind(
         "rotation", "rotation", "M", "H", ("H", "M"), ("u", "rotation"), paces=("duration",), straight=True
@@ -91,6 +105,9 @@ PATH_KINDS: Mapping[str, PathKind] = {
     VERTICAL: PathKind(
         "vertical_displacement", "w", "V", None, ("V",), ("u", "w", "rotation"), frozenset({"rate"})
     ),
+    "twist": PathKind("twist", "rotation", "T", None, ("T",), ("rotation",), paces=("duration",), space=True),
+    "circle": PathKind("radius", "u", "H", None, ("H",), ("u", "rotation"), paces=("duration",), space=True),
+    "motion": PathKind("", "u", "H", None, ("H",), ("u", "rotation"), paces=("duration",), space=True),
 }  # fmt: skip
 
 

@@ -210,6 +210,37 @@ _RESULT_PATH = (
     )
 )
 
+_SPACE = "x at azimuth 0, y to its left seen from above; whole caisson"
+_RIGHT = "right-handed about axes with z up"
+_SPACE_PATH = {name: _AXES[name] for name in ("depth", "depth_bounds", "side")} | _table(
+    V("u_x", "displacement of the lid centre along x", "m", ("step",), _SPACE),
+    V("u_y", "displacement of the lid centre along y", "m", ("step",), _SPACE),
+    _BODY["w"],
+    *(V(f"rot_{axis}", f"rotation of the caisson about {axis}", "radian", ("step",), _RIGHT) for axis in "xyz"),
+    V("H_x", "lateral load on the caisson along x", "N", ("step",), _SPACE),
+    V("H_y", "lateral load on the caisson along y", "N", ("step",), _SPACE),
+    _BODY["V"],
+    V("M_x", "moment on the caisson about x", "N m", ("step",), _RIGHT + ", about the lid centre at mudline"),
+    V("M_y", "moment on the caisson about y", "N m", ("step",), _RIGHT + ", about the lid centre at mudline"),
+    V("T", "torsion on the caisson", "N m", ("step",), "about z up, at the axis of the caisson"),
+    _BODY["converged"],
+    V("time", "time", "s", ("step",)),
+    V("azimuth", "angle around the caisson", "radian", ("azimuth",), "from +x towards +y", required=False),
+    *(V(f"p_{axis}", f"lateral soil reaction along {axis} per metre of depth", "N m-1", ("depth", "side", "step"),
+        _OPPOSES, {"cell_methods": "depth: mean"}) for axis in "xy"),
+    V("t", "vertical soil reaction per metre of depth", "N m-1", ("depth", "side", "step"),
+      "positive when the caisson pulls the soil down; initial shear included", {"cell_methods": "depth: mean"}),
+    V("torque", "soil reaction to torsion per metre of depth", "N m m-1", ("depth", "side", "step"), _OPPOSES,
+      {"cell_methods": "depth: mean"}),
+    V("normal_effective_stress", "effective normal stress on the skirt", "Pa", _FIELD,
+      "compression positive; undrained clay: total stress over hydrostatic, suction < 0", required=False),
+    V("shear_around", "traction of the caisson on the soil around the skirt", "Pa", _FIELD,
+      "positive along a growing azimuth", required=False),
+    V("shear_vertical", "vertical (z) traction of the caisson on the soil", "Pa", _FIELD, "positive down",
+      required=False),
+    V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive", required=False),
+)
+
 _SECTION = _table(
     V("section_x", "x of the mesh nodes in the symmetry plane", "m", ("section_node",), "whole diameter"),
     V("section_depth", "depth of the mesh nodes in the symmetry plane", "m", ("section_node",),
@@ -311,6 +342,7 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
 GROUPS: dict[str, dict[str, Variable]] = {
     "result_root": {name: replace(variable, required=False) for name, variable in _SPRINGS_ROOT.items()},
     "result_path": _RESULT_PATH,
+    "space_path": _SPACE_PATH,
     "section": _SECTION,
     "volume": _VOLUME,
     "convergence": _CONVERGENCE,
@@ -331,7 +363,9 @@ def group_of(path: str, kind: TreeKind) -> str | None:
         return parts[0]
     if parts[0] == "paths" and len(parts) == 2:
         return f"{kind}_path"
-    if parts[0] == "paths" and parts[2:] == ["convergence"]:
+    if parts[0] == "space" and len(parts) == 2:
+        return "space_path"
+    if parts[0] in ("paths", "space") and parts[2:] == ["convergence"]:
         return "convergence"
     return None
 

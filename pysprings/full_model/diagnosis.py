@@ -60,8 +60,8 @@ def too_far(driver: Driver, initial: np.ndarray, moved: str) -> Diagnosis:
 def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> Diagnosis:
     """Return why no next state was found from the committed one.
 
-    ``given_load``: forces are imposed. ``initial`` (3, 3) is the border stiffness of the initial state (half the
-    caisson's). The trial fields are those of the last attempt.
+    ``given_load``: forces are imposed. ``initial`` (nb, nb) is the border stiffness of the initial state (the
+    model's). The trial fields are those of the last attempt.
     """
     system, state = driver.newton.system, driver.state
     elements = _around(system, state)
@@ -198,12 +198,15 @@ class DisplacementLimit:
         return cls(caisson.outer_diameter, caisson.skirt_length, limit.displacement_over_diameter, limit.rotation, rest)
 
     def share(self, border: np.ndarray) -> float:
-        """Return the share of the limit that a motion (u, w, rotation; m, rad) of the lid centre reaches."""
-        return max(self._shift(border) / (self.largest_share * self.diameter), abs(border[2]) / self.largest_rotation)
+        """Return the share of the limit that a motion (m, rad) of the lid centre reaches.
+
+        It is (u, w, rotation), or that of six degrees of freedom, where a twist counts as a rotation does.
+        """
+        return max(self._shift(border) / (self.largest_share * self.diameter), _turned(border) / self.largest_rotation)
 
     def text(self, border: np.ndarray) -> str:
         """Return words for how far the caisson has moved, and the limit."""
-        turned = math.degrees(abs(border[2]))
+        turned = math.degrees(_turned(border))
         limit = f"{100.0 * self.largest_share:g} % of the diameter, {math.degrees(self.largest_rotation):g} deg"
         return f"the caisson has moved by {self._shift(border):.3g} m and turned by {turned:.2g} deg (limit {limit})"
 
@@ -216,5 +219,15 @@ class DisplacementLimit:
         )
 
     def _shift(self, border: np.ndarray) -> float:
-        u, w, rotation = border
-        return float(max(abs(u), abs(u - rotation * self.skirt_length), abs(w - self.rest)))
+        length = self.skirt_length
+        if len(border) == 3:
+            u, w, rotation = border
+            return float(max(abs(u), abs(u - rotation * length), abs(w - self.rest)))
+        u_x, u_y, w, rot_x, rot_y, _ = border
+        tip = np.hypot(u_x - rot_y * length, u_y + rot_x * length)
+        return float(max(np.hypot(u_x, u_y), tip, abs(w - self.rest)))
+
+
+def _turned(border: np.ndarray) -> float:
+    """Return the rotation (rad) of a motion in the plane, or the larger one of rotation and twist of one in space."""
+    return float(abs(border[2]) if len(border) == 3 else max(np.hypot(border[3], border[4]), abs(border[5])))

@@ -20,6 +20,7 @@ from fe_engine.solve.globalisation import EXACT
 from fe_engine.solve.newton import Newton
 from pysprings.full_model.collect import Collector, section_dataset
 from pysprings.full_model.fourier_collect import FourierCollector, fourier_section_dataset
+from pysprings.full_model.space_collect import SpaceCollector
 from pysprings.full_model.volume import fourier_volume_dataset, volume_dataset
 from pysprings.model.build import Built
 from pysprings.model.fourier import BuiltFourier
@@ -53,13 +54,15 @@ def make_engine(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Engi
 def make_collector(
     scene: Scene, built: Built | BuiltFourier, system: System | FourierSystem, balance: WaterBalance | None,
     sea: tuple[float, float] | None,
-) -> Collector:  # fmt: skip
+) -> Collector | SpaceCollector:  # fmt: skip
     """Make what gathers the rows of a path."""
     output = scene.output
     requested = output.interface_fields, output.section
     wet = partial(scene.ground.holds_water, mode=scene.drainage.mode)
     if isinstance(built, BuiltFourier):
         assert isinstance(system, FourierSystem)
+        if built.model.whole:
+            return SpaceCollector(built, system, output.interface_fields)
         return FourierCollector(built, system, *requested, balance, sea, output.paraview, wet)
     assert isinstance(system, System)
     return Collector(built, system, *requested, balance, sea, output.paraview, wet)

@@ -80,9 +80,7 @@ class FourierCollector(Collector):
         """Return the means of the slices (side, azimuth, depth) of values (ns,) at the stations."""
         walls = []
         for ring in self.rings.values():
-            at_nodes = operator @ values[ring]
-            parts = at_nodes[:, :-2:2], at_nodes[:, 1::2], at_nodes[:, 2::2]
-            walls.append(sum(share * part for share, part in zip(_SIMPSON, parts, strict=True)))
+            walls.append(means_of_elements(operator @ values[ring]))
         return np.stack(walls)
 
     def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:
@@ -121,6 +119,12 @@ class FourierCollector(Collector):
     def _pressure_range(self, state: Fields) -> dict[str, float]:
         every, soil = self._wet_pressures(state), len(self.built.section.mesh.corners) * len(self.azimuth)
         return {"pressure_min": float(every.min()), "pressure_max": float(every[:soil].max())}
+
+
+def means_of_elements(at_nodes: np.ndarray) -> np.ndarray:
+    """Return the means (na, nd) over elements of values (na, nz) at their nodes, three an element."""
+    parts = at_nodes[:, :-2:2], at_nodes[:, 1::2], at_nodes[:, 2::2]
+    return np.asarray(sum(share * part for share, part in zip(_SIMPSON, parts, strict=True)))
 
 
 def _mean_along_x(bent: np.ndarray) -> np.ndarray:

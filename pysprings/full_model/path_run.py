@@ -13,10 +13,12 @@ from fe_engine.balance.energy import EnergyBalance
 from fe_engine.balance.water import WaterBalance
 from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
+from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
 from pysprings.core.errors import PyspringsError, reason_of
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import MOTIONS, PATH_KINDS
+from pysprings.core.variables import DOFS
 from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import checkpoint
 from pysprings.full_model.checkpoint import Saved
@@ -42,17 +44,17 @@ class PathRun:
     """Runs one path from the initial state, or from where a checkpoint left it."""
 
     def __init__(self, work: Work, path: Path) -> None:
-        scene, model = work.scene, work.built.model
-        self.work, self.path = work, path
+        self.work, self.path, self.on = work, path, work.model_of(path)
+        scene, model = work.scene, self.on.built.model
         self.state = State(model)
-        work.newton.forget()  # whichever paths ran before
-        self.driver = Driver(work.newton, self.state)
+        self.on.newton.forget()  # whichever paths ran before
+        self.driver = Driver(self.on.newton, self.state)
         self.water = None
         if model.water is not None:
-            self.water = WaterBalance(work.system, initial_fields(model))
-        self.energy = EnergyBalance(work.system)
-        self.collector = make_collector(scene, work.built, work.system, self.water, _sea(scene))
-        self.extra = work.built.extra_load_of(scene.vertical_load_of(path))
+            self.water = WaterBalance(self.on.system, initial_fields(model))
+        self.energy = EnergyBalance(self.on.system)
+        self.collector = make_collector(scene, self.on.built, self.on.system, self.water, _sea(scene))
+        self.extra = self.on.built.extra_load_of(scene.vertical_load_of(path))
         self.n_dead, self.stage, self.time = int(self.extra != 0.0), 0, 0.0
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
         self.limits: list[str] = []
@@ -60,8 +62,13 @@ class PathRun:
         self.ending = Ending()
         self._position: Position | None = None  # where to go on in the stage
         self._last: tuple[Standing, Gathered] | None = None  # after the last step, unless it is in a checkpoint
-        self._number = [each.name for each in scene.load_paths].index(path.name)
+        self._number = [each.name for each in scene.all_paths].index(path.name)
         self._saved_at, self._before = time.monotonic(), work.cost()
+
+    @property
+    def part(self) -> float:
+        """Part of the caisson that the model has."""
+        return self.on.built.part
 
     def run(self) -> None:
         """Run to the end, or up to where a step does not converge: see `ending`.
@@ -94,7 +101,7 @@ class PathRun:
 
     def _run_stages(self) -> None:
         if self.stage < self.n_dead:
-            self._run_stage(dead_load_stage(self.extra))
+            self._run_stage(dead_load_stage(self.extra, MOTIONS if self.path.in_space else DOFS))
         if not self.collector.rows:
             self._collect()
         rest = float(self.collector.rows[0]["w"])
@@ -109,14 +116,18 @@ class PathRun:
             self._run_stage(stages[self.stage - self.n_dead])
 
     def _run_stage(self, stage: Stage) -> None:
-        self.driver.run(stage, self._on_step, self._position)
+        position, before = self._position, self.driver.position
+        if position is None and before is not None and self.path.kind == "circle" and self.stage > self.n_dead + 1:
+            start = stage.control @ self.state.committed.border  # sides of a circle are alike: each goes on as the last
+            position = Position(start, 0.0, StepSize(stage.first_fraction), before.last)
+        self.driver.run(stage, self._on_step, position)
         self._position = None
         self.stage += 1
 
     def _path_stages(self, rest: float) -> list[Stage]:
         """Return the stages after the dead load, which has moved the caisson by ``rest`` (m, down)."""
         scene = self.work.scene
-        built = self.work.built
+        built = self.on.built
         fast = undrained_time(scene, built.model.mesh)
         return path_stages(scene, self.path, self.extra, fast, rest=rest, balanced=built.balanced_load)
 
@@ -146,7 +157,7 @@ class PathRun:
         """Stop a path that leads to failure where the caisson leaves."""
         border = self.state.committed.border
         if self.reach is not None and self.reach.share(border) > 1.0:
-            raise _Ended(too_far(self.driver, self.work.stiffness, self.reach.text(border)))
+            raise _Ended(too_far(self.driver, self.on.stiffness, self.reach.text(border)))
 
     def _end_where_flat(self) -> None:
         """Stop a vertical path whose last increment has moved it and hardly changed V; in a rest nothing moves."""
@@ -163,7 +174,7 @@ class PathRun:
             return str(error.diagnosis), error.diagnosis.reason
         if error.refused:
             return str(error), StopReason.DISPLACEMENT_LIMIT
-        cause = diagnose(self.driver, self._forced(), self.work.stiffness)
+        cause = diagnose(self.driver, self._forced(), self.on.stiffness)
         if self.stage < self.n_dead:
             cause = during_dead_load(cause, self.driver.position)
         elif cause.reason.is_limit and len(self.collector.rows) < 2:
@@ -200,7 +211,7 @@ class PathRun:
         assert driver.position is not None
         return Standing(
             self.stage, self.time, {name: getattr(fields, name).copy() for name in FIELDS}, driver.position,
-            driver.force, driver.stiffness, self.work.newton.origin, None if self.water is None else self.water.totals,
+            driver.force, driver.stiffness, self.on.newton.origin, None if self.water is None else self.water.totals,
         )  # fmt: skip
 
     def gathered(self) -> Gathered:
@@ -252,7 +263,7 @@ class PathRun:
         if self.water is not None:
             self.water.totals = standing.water
         if standing.factors is not None:
-            self.work.newton.restore(standing.factors)
+            self.on.newton.restore(standing.factors)
 
 
 class _Ended(NotConverged):

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from fe_engine.clock import Clock
 from pysprings.core.errors import out_of_memory
@@ -42,7 +43,7 @@ def run_paths(work: Work, loaded: Loaded, workers: Workers | None) -> None:
     if workers is not None:
         with_workers(work, loaded, workers)
         return
-    for path in work.scene.load_paths:
+    for path in work.scene.all_paths:
         run, saved = PathRun(work, path), loaded.paths.get(path.name)
         if saved is not None:
             run.restore(saved)
@@ -61,7 +62,7 @@ def run_paths(work: Work, loaded: Loaded, workers: Workers | None) -> None:
 def _to_its_end(run: PathRun) -> None:
     work, path = run.work, run.path
     run.run()
-    work.condition = work.newton.condition_estimate() if path.name == work.scene.load_paths[-1].name else None
+    work.condition = work.newton.condition_estimate() if path.name == work.scene.all_paths[-1].name else None
     run.save_end()
 
 
@@ -91,7 +92,7 @@ def with_workers(work: Work, loaded: Loaded, workers: Workers) -> None:
     try:
         workers.run(tasks, done, work.progress, work.warnings.append)
     finally:
-        for path in scene.load_paths:
+        for path in scene.all_paths:
             if path.name in found:
                 run = PathRun(work, path)
                 run.restore(found[path.name])
@@ -103,7 +104,7 @@ def with_workers(work: Work, loaded: Loaded, workers: Workers) -> None:
 def path_costs(scene: Scene) -> dict[str, float]:
     """Return the likely time of each path, in s, by name."""
     times = path_seconds(scene, size_of(scene).unknowns)
-    return {path.name: time for path, time in zip(scene.load_paths, times, strict=True)}
+    return {path.name: time for path, time in zip(scene.all_paths, times, strict=True)}
 
 
 _counted = [0.0]  # CPU seconds of this process that a path has on its account
@@ -115,7 +116,7 @@ def path_in_worker(
     """Run one path, in a process of its own; return what it has gathered, whole or up to an interrupt."""
     with blas_on_one_thread():
         work = _work_of(scene.sha256, scene)
-        path = scene.load_paths[number]
+        path = scene.all_paths[number]
         work.progress, work.stiffness, work.checkpoints = progress, stiffness, checkpoints
         work.cpu_elsewhere, work.cpu_began = 0.0, time.process_time()
         run = PathRun(work, path)
@@ -145,15 +146,29 @@ def _parts(path: Path) -> dict[str, int]:
     return {PARTS: len(path.then)} | pairs if path.then else {}
 
 
+def largest_motion(path: xr.Dataset, radius: float) -> tuple[float, float]:
+    """Return the largest displacement (m), that of the wall by a twist (radius, m) included, and rotation (rad)."""
+    w = float(np.abs(path["w"].values).max())
+    if "u_x" not in path:
+        u, turn = (float(np.abs(path[key].values).max()) for key in ("u", "rotation"))
+        return max(u, w), turn
+    u, turn = (float(np.hypot(path[f"{key}_x"], path[f"{key}_y"]).max()) for key in ("u", "rot"))
+    return max(u, w, radius * float(np.abs(path["rot_z"].values).max())), turn
+
+
 def _keep(work: Work, run: PathRun) -> None:
     """Add a path, whole or as far as it went, to the result."""
     path, driver, name = run.path, run.driver, run.path.name
     with work.clock.phase("output"):
-        dataset = run.collector.dataset()
+        dataset, group = run.collector.dataset(), f"/{'space' if path.in_space else 'paths'}/{name}"
         dataset.attrs = {
             "kind": path.kind, "arm_m": path.arm, "role": path.role, "status": str(run.ending.status),
             "heave": path.heave,
-        } | end_attrs(run.ending.reason, run.ending.why, dataset)  # fmt: skip
+        }  # fmt: skip
+        if not path.in_space:
+            dataset.attrs |= end_attrs(run.ending.reason, run.ending.why, dataset)
+        if path.direction is not None:
+            dataset.attrs["direction_rad"] = path.direction
         if path.rate is not None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
@@ -163,17 +178,18 @@ def _keep(work: Work, run: PathRun) -> None:
         dataset.attrs |= _parts(path)
         if path.load_angle is not None:
             dataset.attrs["load_angle_rad"] = path.load_angle
-        work.paths[f"/paths/{name}"] = dataset
-        work.paths[f"/paths/{name}/convergence"] = convergence_dataset(driver.record)
+        work.paths[group] = dataset
+        work.paths[f"{group}/convergence"] = convergence_dataset(driver.record)
         figures = summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, run.limits)
         at_limit = run.ending.status is Status.LIMIT_LOAD
         work.figures[name] = replace(
-            figures, status=run.ending.status, reason=run.ending.reason, energy=energy_summary(run.energy.now()),
+            figures, status=run.ending.status, reason=run.ending.reason,
+            energy=energy_summary(run.energy.now(), run.part),
             limit_load=LimitLoad.at(figures.end, run.ending.why) if at_limit else None,
         )  # fmt: skip
         work.failures += [run.ending.failure] if run.ending.failure else []
-        u, w, turn = (float(np.abs(dataset[key].values).max()) for key in ("u", "w", "rotation"))
-        if large := large_motion(name, max(u, w), turn, work.scene.caisson.skirt_length):
+        moved, turn = largest_motion(dataset, 0.5 * work.scene.caisson.outer_diameter)
+        if large := large_motion(name, moved, turn, work.scene.caisson.skirt_length):
             work.warnings.append(large)
         if run.collector.cavitation is not None:
             length, margin = work.scene.caisson.skirt_length, run.collector.cavitation

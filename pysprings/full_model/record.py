@@ -16,6 +16,7 @@ from fe_engine.balance.energy import TERMS, Energy
 from fe_engine.clock import Clock, seconds
 from fe_engine.errors import NotConverged
 from pysprings.core import variables
+from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.full_model.ring_measure import contact_alternation
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 
@@ -65,6 +66,7 @@ def summarise(
     path : what was collected along the path.
     limits : what limited the size of each step (`fe_engine.solve.step_size.LIMITS`).
     """
+    names = (*MOTIONS, *LOADS) if "u_x" in path else ("u", "w", "rotation", "H", "V", "M")
     attempts = [list(rows) for _, rows in groupby(with_attempts(record), lambda r: (r["increment"], r["attempt"]))]
     good = [rows for rows in attempts if rows[-1]["converged"]]
     iterations = [len(rows) - 1 for rows in good]
@@ -83,8 +85,8 @@ def summarise(
         worst_residual=max((rows[-1]["residual"] for rows in good), default=0.0),
         order_of_last_iterations=_order(good),
         last_residual_ratio=_last_ratio(good),
-        end={name: float(path[name][-1]) for name in ("u", "w", "rotation", "H", "V", "M")},
-        contact_rings=contact_alternation(path),
+        end={name: float(path[name][-1]) for name in names},
+        contact_rings=None if "u_x" in path else contact_alternation(path),
         water=_water(path),
     )
 
@@ -104,9 +106,12 @@ def _water(path: xr.Dataset) -> dict[str, float] | None:
     }
 
 
-def energy_summary(energy: Energy) -> dict[str, float]:
-    """Return the terms of the energy balance of the whole caisson at the end of a path, J, and what they leave."""
-    terms = {f"{name}_J": 2.0 * getattr(energy, name) for name in (*TERMS, "imbalance")}
+def energy_summary(energy: Energy, part: float = 0.5) -> dict[str, float]:
+    """Return the terms of the energy balance of the whole caisson at the end of a path, J, and what they leave.
+
+    ``part`` is that of the caisson whose energy is given.
+    """
+    terms = {f"{name}_J": getattr(energy, name) / part for name in (*TERMS, "imbalance")}
     return terms | {"imbalance_over_largest_term": abs(energy.imbalance) / energy.moved if energy.moved else 0.0}
 
 

@@ -85,14 +85,14 @@ def _mesh(work: Work) -> MeshFigures:
 
 
 def _solver(work: Work) -> SolverFigures:
-    solver, settings = work.newton.solver, work.newton.settings
+    solver, settings, cost = work.newton.solver, work.newton.settings, work.cost()
     return SolverFigures(
         linear=solver.backend.name,
         tolerance=settings.tolerance,
         max_iterations=settings.max_iterations,
-        factorisations=solver.n_factorisations,
-        solves=solver.n_solves,
-        worst_linear_residual=solver.worst_residual,
+        factorisations=cost.factorisations,
+        solves=cost.solves,
+        worst_linear_residual=cost.worst,
         condition_estimate=work.condition,
     )
 

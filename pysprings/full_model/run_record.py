@@ -163,6 +163,9 @@ class LimitLoad(_Part):
     def at(cls, end: Mapping[str, float], criterion: str) -> Self:
         """Return the limit load of a path with this end (`PathFigures.end`)."""
         names = {"H_N": "H", "V_N": "V", "M_Nm": "M", "u_m": "u", "w_m": "w", "rotation_rad": "rotation"}
+        if "u_x" in end:  # sizes of the horizontal vectors
+            pairs = {"H": ("H_x", "H_y"), "M": ("M_x", "M_y"), "u": ("u_x", "u_y"), "rotation": ("rot_x", "rot_y")}
+            end = {**end, **{name: math.hypot(*(end[key] for key in pair)) for name, pair in pairs.items()}}
         return cls(**{name: end[key] for name, key in names.items()}, criterion=criterion)
 
     @property
@@ -190,7 +193,7 @@ class PathFigures(_Part):
     limit_load : where it stopped at its limit load.
     increments_of_dead_load : those of them before the path, where its caisson carries more or less than the balance.
     steps_limited_by : counts by what limited the size of a step (`fe_engine.solve.step_size.LIMITS`).
-    end : u, w [m], rotation [rad], H, V [N], M [N m] at the last step.
+    end : u, w [m], rotation [rad], H, V [N], M [N m] at the last step; off a plane those of `MOTIONS` and `LOADS`.
     contact_rings : see `pysprings.full_model.ring_measure`.
     water : volumes [m3] and range of the pressures [Pa]; None when drained.
     energy : terms of the balance [J].

@@ -35,14 +35,24 @@ from pysprings.full_model.run_record import PathFigures
 from pysprings.model.build import Built
 from pysprings.model.contact import penalty_of
 from pysprings.model.forecast.domain_effect import domain_effect
-from pysprings.model.fourier import BuiltFourier, build
+from pysprings.model.fourier import BuiltFourier, build, build_fourier
 from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.load import Path, Scene
 
 _ROUNDING = 1e-5  # share of the stiffness by which a linear solver may leave it unsymmetric
+
+
+@dataclass(frozen=True)
+class Whole:
+    """The whole caisson in six degrees of freedom; stiffness (6, 6) at the initial state."""
+
+    built: BuiltFourier
+    system: FourierSystem
+    newton: Newton
+    stiffness: np.ndarray
 
 
 @dataclass
@@ -78,6 +88,20 @@ class Work:
     state: State | None = None
     cpu_elsewhere: float = 0.0
     cpu_began: float = field(default_factory=time.process_time)
+    _whole: Whole | None = None
+
+    def model_of(self, path: Path) -> Work | Whole:
+        """Return the model on which a path runs: half a caisson, or the whole one, made for the first that needs it."""
+        if not path.in_space:
+            return self
+        if self._whole is None:
+            with self.clock.phase("set-up"):
+                built = build_fourier(self.scene, whole=True)
+                engine = make_engine(self.scene, built, self.clock)
+                assert isinstance(engine.system, FourierSystem)
+                stiffness = symmetric_but_for_rounding(engine.newton.border_stiffness(State(built.model)))
+                self._whole = Whole(built, engine.system, engine.newton, stiffness)
+        return self._whole
 
     @property
     def vertical_load(self) -> float:
@@ -86,11 +110,13 @@ class Work:
 
     def cost(self) -> Cost:
         """Return the cost of all that this run has counted so far."""
-        solver, saved = self.newton.solver, self.checkpoints
+        solvers = [self.newton.solver, *([] if self._whole is None else [self._whole.newton.solver])]
+        saved = self.checkpoints
         written, spent = (0, 0.0) if saved is None else (saved.written, saved.spent)
         return Cost(
             dict(self.clock.wall), dict(self.clock.cpu), self.cpu_elsewhere + time.process_time() - self.cpu_began,
-            solver.n_factorisations, solver.n_solves, solver.worst_residual, written, spent, self.condition,
+            sum(each.n_factorisations for each in solvers), sum(each.n_solves for each in solvers),
+            max(each.worst_residual for each in solvers), written, spent, self.condition,
         )  # fmt: skip
 
     def add(self, cost: Cost) -> None:
@@ -171,7 +197,7 @@ def prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
 
 
 def symmetric_but_for_rounding(stiffness: np.ndarray) -> np.ndarray:
-    """Return the symmetric part of a stiffness (3, 3) that differs from it by rounding alone; others as they are.
+    """Return the symmetric part of a stiffness (nb, nb) that differs from it by rounding alone; others as they are.
 
     At rest contact sticks and the soil is elastic: what is not symmetric is what the linear solver leaves.
     """

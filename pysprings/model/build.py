@@ -50,6 +50,11 @@ class Built:
         """Return what a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
         return extra_load(load, self.balanced_load)
 
+    @property
+    def part(self) -> float:
+        """Part of the caisson that the model has."""
+        return 0.5
+
 
 def geometry_of(scene: Scene) -> Geometry:
     """Return the radii and depths of the scene, in m."""
@@ -133,8 +138,9 @@ def _add_steel(scene: Scene, model: Model, steel: SteelMesh) -> Model:
     )
 
 
-def extra_load(load: float | str, balanced: float) -> float:
-    return 0.0 if load == "balanced" else 0.5 * float(load) - balanced
+def extra_load(load: float | str, balanced: float, part: float = 0.5) -> float:
+    """Return what a vertical load (N, whole caisson) has beyond the balanced one (N) of this part of the caisson."""
+    return 0.0 if load == "balanced" else part * float(load) - balanced
 
 
 def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:

@@ -36,7 +36,7 @@ SIDES = {"outside": "outer", "inside": "inner"}
 
 @dataclass(frozen=True)
 class BuiltFourier:
-    """A Fourier model with the section it came from and the vertical dead load of the half caisson (N).
+    """A Fourier model with the section it came from and the vertical dead load (N) of its part of the caisson.
 
     ``azimuth`` are the azimuths (na,) of the stations.
     """
@@ -50,8 +50,13 @@ class BuiltFourier:
     steel: SteelRings | None = None
 
     def extra_load_of(self, load: float | str) -> float:
-        """Return what a vertical load (N, whole caisson) has beyond the balanced one (N, half caisson)."""
-        return extra_load(load, self.balanced_load)
+        """Return what a vertical load (N, whole caisson) has beyond the balanced one (N, of the model)."""
+        return extra_load(load, self.balanced_load, self.part)
+
+    @property
+    def part(self) -> float:
+        """Part of the caisson that the model has: all, or half."""
+        return 1.0 if self.model.whole else 0.5
 
 
 def section_counts_of(scene: Scene) -> SectionCounts:
@@ -113,7 +118,7 @@ def build_on_section(scene: Scene, counts: SectionCounts, whole: bool = False) -
     steel = None if scene.caisson.behaviour == "rigid" else make_steel_rings(section, scene.caisson.lid_thickness)
     if steel is not None:
         model = add_steel(model, steel, scene.caisson.young_modulus, scene.caisson.poisson_ratio)
-    extra = extra_load(scene.caisson.vertical_load, balanced)
+    extra = extra_load(scene.caisson.vertical_load, balanced, 1.0 if whole else 0.5)
     return BuiltFourier(model, section, azimuth, quality, balanced, extra, steel)
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +14,7 @@ from fe_engine.model import Stage
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.model.build import extra_load as extra_load_of
+from pysprings.model.space_stages import space_motion, space_stages, with_lag
 from pysprings.model.water import mudline_time
 from pysprings.scene.soils import SOIL_LAWS
 
@@ -41,14 +42,14 @@ _LOCALISES, _LOCALISES_ALONG_SKIRT = 3.0e-8, 1.0e-7
 _LONG_AGO = 1.0e12
 
 
-def dead_load_stage(extra_load: float) -> Stage:
-    """Return the vertical load (N, half caisson) beyond the one that balances the initial contact stresses; drained."""
+def dead_load_stage(extra_load: float, dofs: Sequence[str] = DOFS) -> Stage:
+    """Return the vertical load (N, of the model) beyond the one that balances the initial contact stresses; drained."""
     return Stage(
         name="dead load",
-        control=np.zeros((0, 3)),
+        control=np.zeros((0, len(dofs))),
         target=np.zeros(0),
-        load=np.zeros((3, 0)),
-        force=np.array([0.0, extra_load, 0.0]),
+        load=np.zeros((len(dofs), 0)),
+        force=np.array([extra_load if dof == "w" else 0.0 for dof in dofs]),
         first_fraction=_FIRST_OF_LOAD,
         max_fraction=_LARGEST_OF_LOAD,
         duration=_LONG_AGO,
@@ -62,8 +63,13 @@ def path_stages(
 
     Every stage of an undrained path takes ``undrained_time`` (s), in which nothing flows. ``rest`` is the vertical
     displacement (m) under the dead load: what is imposed vertically counts from there. ``balanced`` is the vertical
-    load (N, half caisson) that the initial contact stresses balance: vertical loads of parts of the path count from it.
+    load (N, of the model) that the initial contact stresses balance: vertical loads of parts of the path count from it.
+    Those of a path that leaves a plane are of the whole caisson, others of its half.
     """
+    if path.in_space:
+        start = _first_strain(scene) * scene.caisson.outer_diameter
+        relaxing = viscous_displacement(scene, path)
+        return with_lag(scene, space_stages(scene, path, extra_load, rest, balanced, start), relaxing)
     first = _stages(scene, path, extra_load, undrained_time)
     further = _further(scene, path, first[-1], undrained_time, balanced)
     stages = _viscous(scene, path, [*first, *further])
@@ -299,13 +305,19 @@ def large_motion(path: str, displacement: float, rotation: float, length: float)
 
 def scene_warnings(scene: Scene) -> list[str]:
     """Return a sentence for each path of a scene that imposes a large motion."""
-    texts = (large_motion(path.name, *imposed_motion(path), scene.caisson.skirt_length) for path in scene.load_paths)
+    radius, length = 0.5 * scene.caisson.outer_diameter, scene.caisson.skirt_length
+    texts = (large_motion(path.name, *imposed_motion(path, radius), length) for path in scene.all_paths)
     return [text for text in texts if text]
 
 
-def imposed_motion(path: Path) -> tuple[float, float]:
-    """Return the largest displacement (m) and rotation (rad) that a path imposes; 0 where it imposes a force."""
+def imposed_motion(path: Path, radius: float = 0.0) -> tuple[float, float]:
+    """Return the largest displacement (m) and rotation (rad) that a path imposes; 0 where it imposes a force.
+
+    A twist displaces the wall at the ``radius`` (m).
+    """
     kind = PATH_KINDS[path.kind]
+    if path.in_space:
+        return space_motion(path, radius)
     if kind.force:
         return 0.0, 0.0
     first = abs(getattr(path, kind.imposed) or 0.0)

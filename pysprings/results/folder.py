@@ -195,7 +195,7 @@ class _Files(Sink):
     def _write_curves(self, record: RunRecord, whole: bool) -> None:
         """Write what the record has no part in: curves, springs, comparison."""
         folder, source = self.folder, self.source
-        if whole and paths_of(source.result):
+        if whole and {"paths", "space"} & set(source.result.children):
             write_load_displacement(source.result, folder / "load_displacement.csv")
         if self.has_springs:
             self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
@@ -240,7 +240,7 @@ def _springs(result: xr.DataTree) -> xr.DataTree | None:
     try:
         return with_stored(extract_springs(result))
     except UserInputError:
-        if result.attrs["status"] == "complete":
+        if result.attrs["status"] == "complete" and paths_of(result):
             raise
         return None
 

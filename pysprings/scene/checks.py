@@ -26,6 +26,7 @@ from pysprings.scene.positions import Clash, KeyPath
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Caisson, Path, Soil, Solver, Springs
 from pysprings.scene.soils import SOIL_LAWS
+from pysprings.scene.space import space_clashes, space_path
 
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt
 _MAY_BE_ZERO = ("arm_from", "load_angle")  # None where not given
@@ -53,6 +54,7 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     if scene.drainage.mode == "coupled":
         yield from _pace(scene.springs)
     yield from _load_paths(scene)
+    yield from space_clashes(scene)
     yield from _changing_loads(scene)
     yield from design_clashes(scene.design)
 
@@ -167,6 +169,9 @@ def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:
 
 def _path(index: int, path: Path) -> Iterator[Clash]:
     here: KeyPath = ("path", index)
+    if path.in_space:
+        yield from space_path(here, path)
+        return
     kind = PATH_KINDS[path.kind]
     imposed = kind.imposed
     for name in (*UNITS, "arm", "arm_from", "load_angle", "rate"):
@@ -174,6 +179,8 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
         given = value is not None if name in _MAY_BE_ZERO else value
         if given and name != imposed and name not in kind.uses:
             yield Clash(((*here, name), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
+    if kind.drives == "w" and path.direction is not None:
+        yield Clash(((*here, "direction"), (*here, "kind")), f'a path of kind "{path.kind}" does not use it')
     if kind.drives == "w" and path.heave == "fixed":
         yield Clash(((*here, "heave"), (*here, "kind")), f'a path of kind "{path.kind}" moves the caisson up or down')
     if path.rate is not None and path.duration is not None:
@@ -234,7 +241,8 @@ def _changing_loads(scene: SceneSections) -> Iterator[Clash]:
 def _load_paths(scene: SceneSections) -> Iterator[Clash]:
     """Check the paths; what is wrong with one of the fan is wrong with its reach."""
     own, coupled = len(scene.paths), scene.drainage.mode == "coupled"
-    for clash in (*_paths(scene.load_paths), *(_times(scene.paths) if coupled else ())):
+    of_fan = scene.load_paths[sum(not path.in_space for path in scene.paths) :]
+    for clash in (*_paths((*scene.paths, *of_fan)), *(_times(scene.paths) if coupled else ())):
         keys = (key if key[0] != "path" or int(key[1]) < own else _REACH for key in clash.keys)
         yield Clash(tuple(dict.fromkeys(keys)), clash.message)
 

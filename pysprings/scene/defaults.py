@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel
 
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import LOADS, PATH_KINDS
 from pysprings.core.units import read, show, si_of
 from pysprings.scene.by_depth import ByDepth, Profile, of_surface
 from pysprings.scene.fields import Number, Quantity
@@ -106,7 +106,7 @@ def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:
     if name == "drainage":
         dry = ("porosity", "water_bulk_modulus", "water_viscosity", "stabilisation", "water_unit_weight")
         return ("stabilisation",) if wet else dry
-    forced = any(PATH_KINDS[path.kind].limited for path in scene.load_paths)
+    forced = any(PATH_KINDS[path.kind].limited for path in scene.all_paths)
     return () if name != "limit" or forced else tuple(type(scene.limit).model_fields)
 
 
@@ -145,7 +145,7 @@ def _of_paths(scene: SceneSections) -> Iterator[Row]:
         (path,) = scene.load_paths
         yield {"key": "path", "value": f"{path.kind} to {show(path.lateral_displacement or 0.0, 'mm')}", "unit": ""}
     for path in scene.paths:
-        if "arm" in PATH_KINDS[path.kind].uses and "arm" not in path.model_fields_set:
+        if not path.given(LOADS) and "arm" in PATH_KINDS[path.kind].uses and "arm" not in path.model_fields_set:
             yield row_of(f"path.{path.name}.arm", path.arm, type(path), "arm")
 
 

@@ -11,12 +11,16 @@ from typing import Any
 from pydantic import PrivateAttr, model_validator
 
 from pysprings.core.card import caisson_drawing, card
+from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.scene.checks import clashes, dotted
 from pysprings.scene.design_load import Design
 from pysprings.scene.fields import refuse
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Limit
 from pysprings.scene.toml import to_toml
+
+# keys of paths that leave a plane
+SPACE = ("direction", "twist", "radius", *(name for name in MOTIONS if name != "w"), *LOADS)
 
 
 class Scene(SceneSections):
@@ -36,12 +40,12 @@ class Scene(SceneSections):
     def sha256(self) -> str:
         """SHA-256 (hex) of all values, whatever units and order the file wrote them in.
 
-        Keys of a series, layers, clay, probes, viscosity, [limit] and [design] count where used: other scenes keep
-        the number.
+        Keys of a series, layers, clay, probes, directions, viscosity, [limit] and [design] count where used: other
+        scenes keep the number.
         """
         values = self.model_dump(mode="json")
         del values["springs"]
-        values["paths"] = [path.model_dump(mode="json") for path in self.load_paths]
+        values["paths"] = [path.model_dump(mode="json") for path in self.all_paths]
         if self.discretisation == "hex8":
             for key in ("discretisation", "harmonics"):
                 del values["mesh"][key]
@@ -56,9 +60,10 @@ class Scene(SceneSections):
                 if isinstance(value, dict) and value.get("follows", "") is None:
                     del value["follows"]
         for path in values["paths"]:
-            if path["load_angle"] is None:
-                del path["load_angle"]
-            path["then"] = [each if each[3] is not None else each[:3] for each in path["then"]]
+            for key in ("load_angle", *SPACE):
+                if path[key] is None:
+                    del path[key]
+            path["then"] = [_digested(each) for each in path["then"]]
         if values["interface"]["adhesion_factor"] is None:
             del values["interface"]["adhesion_factor"]
         if values["interface"]["opening"] == "vented":
@@ -106,6 +111,13 @@ class Scene(SceneSections):
         return hash(self.sha256)
 
 
+def _digested(then: list[Any]) -> list[Any]:
+    """Return what counts of a part that follows: what was not there in earlier scenes, only where it is given."""
+    if then[5] is not None or (then[3] is None and then[4] is not None):
+        return then
+    return then[:5] if then[3] is not None else then[:3]
+
+
 # --- a scene in words ---
 
 MOST_LAYERS = 4  # that are named
@@ -135,8 +147,8 @@ def ground_text(scene: SceneSections) -> str:
 
 def paths_text(scene: SceneSections) -> str:
     """Return how many load paths of each kind a run computes, and how many are held back."""
-    kinds = Counter(path.kind for path in scene.load_paths)
-    held = sum(path.role == "held-back" for path in scene.load_paths)
+    kinds = Counter(path.kind for path in scene.all_paths)
+    held = sum(path.role == "held-back" for path in scene.all_paths)
     words = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
     return words + (f"; {held} held back" if held else "")
 

@@ -75,8 +75,15 @@ class SceneSections(Section):
 
     @cached_property
     def load_paths(self) -> tuple[Path, ...]:
-        """The paths of a run: those of the scene, then those of its fan; a pull where there are none."""
-        return (*self.paths, *fan_paths(self.springs, self.caisson)) or (PAPER_PATH,)
+        """The paths of a run in one plane: those of the scene, then those of its fan; a pull where there are none."""
+        plane = (path for path in self.paths if not path.in_space)
+        found = (*plane, *fan_paths(self.springs, self.caisson))
+        return found if found or self.paths else (PAPER_PATH,)
+
+    @cached_property
+    def all_paths(self) -> tuple[Path, ...]:
+        """The paths of a run: those in one plane, then those that leave it."""
+        return (*self.load_paths, *(path for path in self.paths if path.in_space))
 
     def vertical_load_of(self, path: Path) -> float | str:
         """Return the vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""

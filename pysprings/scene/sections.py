@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, create_model
 from pydantic import Field as Key
 
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
-from pysprings.core.path_kinds import PATH_KINDS, ROLES
+from pysprings.core.path_kinds import LOADS, MOTIONS, PATH_KINDS, ROLES
 from pysprings.core.words import AUTO, ESTIMATES, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text
@@ -44,8 +44,24 @@ _LOAD_ANGLE = Quantity(
 )
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
+_DIRECTION = Quantity("deg", "[-360, 360]", "direction of the load, from +x towards +y", "45 deg", optional=True)
+_TWIST = Quantity("mrad", "[-500, 500]", "rotation about the vertical axis, from +x towards +y", "10 mrad",
+                  optional=True)  # fmt: skip
+_ROUND = Quantity("mm", "[1e-6, 1e4]", "radius of the circle on which the lid centre goes once round", "5 mm",
+                   optional=True)  # fmt: skip
+
+
+def _end(unit: str, text: str, example: str) -> Quantity:
+    return Quantity(unit, "[-1e4, 1e4]" if unit != "mrad" else "[-500, 500]", text, example, optional=True)
+
+
+_ALONG_X, _ALONG_Y, _TURNED = (_end(unit, 'end value of a path of kind "motion"', f"5 {unit}")
+                               for unit in ("mm", "mm", "mrad"))  # fmt: skip
+_OF_LOAD = 'end value of a path of kind "load": V down, moments about the lid centre with z up'
+_FORCE, _MOMENT = (_end(unit, _OF_LOAD, f"2 {unit}") for unit in ("MN", "MN m"))
 _QUANTITIES = {
-    "lateral_displacement": _SHIFT, "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
+    "": _SHIFT, "twist": _TWIST, "radius": _ROUND, "lateral_displacement": _SHIFT,
+    "rotation": _TURN, "lateral_force": _PUSH, "vertical_displacement": _SINK,
 }  # fmt: skip
 _IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
 _AT_REST = (
@@ -278,11 +294,17 @@ class Path(Section):
     H = R cos(load_angle) and M = R D sin(load_angle), D the outer diameter, and `lateral_displacement` is conjugate to
     it, u cos(load_angle) + rotation D sin(load_angle); like a load it ends where the caisson has moved by 10 % of D or
     turned by 5 deg. vertical: the lid centre moves down
-    (or up: pull-out), u and rotation are held at zero. `vertical_load` is the dead load of this path alone. `report_at`
-    lists values of the imposed quantity where a converged step must land. `then` goes on from the end value: "rest 2
-    hour" holds what is imposed, "20 mm at 0.5 mm/s" and "0 mm in 10 min" lead on to another value; a load goes on to
-    "1 MN, 4 MN m" (H and M), a swipe to "5 mm, 2 mrad" (u and rotation); "V 3 MN in 10 min" changes the vertical load
-    and holds what is imposed. `role = "memory"` is for a translation or rotation that turns back: spring set "memory".
+    (or up: pull-out), u and rotation are held at zero. `direction` turns a path in one plane about the vertical axis.
+    Paths that leave a plane (drained or total stress, rigid caisson, series) check springs only: twist: the caisson
+    turns about its axis, all else is free. circle: the lid centre moves by `radius` in `direction` and then once
+    round, from +x towards +y, without rotation. motion: u_x, u_y, rot_x, rot_y and rot_z grow in proportion, those
+    not given are held. load with H_x, H_y, V, M_x, M_y, T: these grow in proportion; V from the dead load. "12 mm
+    towards 90 deg" in `then` moves the lid centre of a pull (T is 0) or translation (no rotation) on by 12 mm.
+    `vertical_load` is the dead load of this path alone. `report_at` lists values of the imposed quantity where a
+    converged step must land. `then` goes on from the end value: "rest 2 hour" holds what is imposed, "20 mm at 0.5
+    mm/s" and "0 mm in 10 min" lead on to another value; a load goes on to "1 MN, 4 MN m" (H and M), a swipe to "5
+    mm, 2 mrad" (u and rotation); "V 3 MN in 10 min" changes the vertical load and holds what is imposed. `role =
+    "memory"` is for a translation or rotation that turns back: spring set "memory".
     """
 
     name: Annotated[
@@ -302,6 +324,20 @@ class Path(Section):
     arm: Annotated[float, _ARM] = 0.0
     arm_from: Annotated[float | None, _ARM_FROM] = None
     load_angle: Annotated[float | None, _LOAD_ANGLE] = None
+    direction: Annotated[float | None, _DIRECTION] = None
+    twist: Annotated[float | None, _TWIST] = None
+    radius: Annotated[float | None, _ROUND] = None
+    u_x: Annotated[float | None, _ALONG_X] = None
+    u_y: Annotated[float | None, _ALONG_Y] = None
+    rot_x: Annotated[float | None, _TURNED] = None
+    rot_y: Annotated[float | None, _TURNED] = None
+    rot_z: Annotated[float | None, _TURNED] = None
+    H_x: Annotated[float | None, _FORCE] = None
+    H_y: Annotated[float | None, _FORCE] = None
+    V: Annotated[float | None, _FORCE] = None
+    M_x: Annotated[float | None, _MOMENT] = None
+    M_y: Annotated[float | None, _MOMENT] = None
+    T: Annotated[float | None, _MOMENT] = None
     rate: Annotated[float | None, _RATE] = None
     duration: Annotated[float | None, _TIME] = None
     vertical_load: Annotated[
@@ -320,6 +356,17 @@ class Path(Section):
         tuple[Then, ...],
         ThenList("kind", _IMPOSED, "what follows: a rest, another vertical load, or a new end value, with their pace"),
     ] = ()
+
+    def given(self, names: tuple[str, ...]) -> dict[str, float]:
+        """Return the end values of these components that the path gives."""
+        values = {name: getattr(self, name, None) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the path leaves the plane of one load: the whole caisson moves in six degrees of freedom."""
+        turns = any(each.towards is not None for each in self.then)
+        return PATH_KINDS[self.kind].space or turns or bool(self.given(LOADS) or self.given(MOTIONS))
 
 
 class Mesh(Section):

@@ -2,7 +2,8 @@
 """What follows on a load path after its first part: rests, other vertical loads, further end values with their pace.
 
 Under given loads, and after a swipe, an entry may be a pair: "1 MN, 4 MN m" are H and M about the lid centre,
-"5 mm, 2 mrad" are u and rotation. "V 3 MN" is a vertical load: the quantity that the path imposes stays meanwhile.
+"5 mm, 2 mrad" are u and rotation. "12 mm towards 90 deg" moves the lid centre on by 12 mm in another direction, from +x
+towards +y. "V 3 MN" is a vertical load: the quantity that the path imposes stays meanwhile.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ class Then(NamedTuple):
 
     second : the other end value of a pair, M [N m] or rotation [rad]; None: in proportion to the first one.
     load : new vertical load [N], positive down; with neither an end value nor a load it is a rest.
+    towards : direction [rad, from +x towards +y] in which the lid centre moves on by the value.
     """
 
     value: float | None
@@ -34,12 +36,14 @@ class Then(NamedTuple):
     time: float | None = None
     second: float | None = None
     load: float | None = None
+    towards: float | None = None
 
 
-_THEN = re.compile(r"(?P<value>.+?)(?: (?P<how>at|in) (?P<pace>.+))?")
+_THEN = re.compile(r"(?P<value>.+?)(?: towards (?P<towards>.+?))?(?: (?P<how>at|in) (?P<pace>.+))?")
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "", "0.05 mm/s")
 _RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.has_velocity}
 _LOAD = Quantity("MN", "[-1e4, 1e4]", "", "3 MN")
+_DIRECTION = Quantity("deg", "[-360, 360]", "", "90 deg")
 _TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")
 _SECOND = {
     name: Quantity("MN*m", "[-1e6, 1e6]", "", "4 MN m") if kind.force else Quantity("deg", "[-30, 30]", "", "2 mrad")
@@ -71,7 +75,7 @@ class ThenList(QuantityList):
         return tuple(entries)
 
     def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
-        if isinstance(entry, list | tuple) and 3 <= len(entry) <= 5:  # a scene of Python, dumped and validated again
+        if isinstance(entry, list | tuple) and 3 <= len(entry) <= 6:  # a scene of Python, dumped and validated again
             return Then(*entry)
         if not isinstance(entry, str):
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
@@ -87,6 +91,8 @@ class ThenList(QuantityList):
             raise refuse(f"expected a text such as {quoted(_EXAMPLES[0])}, got {quoted(entry)}")
         if words.startswith("V "):
             return self._load(match, info)
+        if match["towards"] is not None:
+            return self._on(match, kind, quantity, info)
         value, second = self._values(match["value"], kind, quantity, info)
         pace = match["pace"]
         if match["how"] == "in":
@@ -94,6 +100,20 @@ class ThenList(QuantityList):
         if match["how"] == "at" and kind not in _RATES:
             raise refuse(f'a path of kind "{kind}" has no velocity: write "... in 10 min"')
         return Then(value, None if pace is None else _RATES[kind].validate(pace, info), None, second)
+
+    @staticmethod
+    def _on(match: re.Match[str], kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
+        """Return a part in another direction."""
+        if not PATH_KINDS[kind].turns:
+            raise refuse(f'a path of kind "{kind}" cannot go on in another direction')
+        value, time = quantity.validate(match["value"], info), None
+        if match["how"] == "at":
+            raise refuse('a part in another direction has no velocity: write "... in 10 min"')
+        if match["how"] == "in":
+            time = _TIME.validate(match["pace"], info)
+        if value <= 0.0:
+            raise refuse("the distance to go on must be positive: the direction gives its sign")
+        return Then(value, time=time, towards=_DIRECTION.validate(match["towards"], info))
 
     @staticmethod
     def _load(match: re.Match[str], info: ValidationInfo) -> Then:
@@ -125,6 +145,8 @@ class ThenList(QuantityList):
             return f"rest {_TIME.in_toml(then.time)}"
         else:
             text = str(dict(self.quantities)[kind].in_toml(then.value))
+        if then.towards is not None:
+            text += f" towards {_DIRECTION.in_toml(then.towards)}"
         if then.second is not None:
             text += f", {_SECOND[kind].in_toml(then.second)}"
         if then.rate is not None:

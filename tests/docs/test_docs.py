@@ -214,7 +214,7 @@ def test_scenes_of_the_documents_are_valid() -> None:
     apart = ("[[axis]]", "[sampling]", "profile =")  # those of studies, and of a table that is not there
     scenes = [text for text in texts if not any(each in text for each in apart)]
     assert scenes
-    assert all((parse_scene if "K0" in text else tiny.parsed)(text).load_paths for text in scenes)
+    assert all((parse_scene if "K0" in text else tiny.parsed)(text).all_paths for text in scenes)
 
 
 # --- their links resolve ---

@@ -71,8 +71,11 @@ class Companions:
 
 
 def estimates_by_default(scene: Scene) -> bool:
-    """Return whether runs of a scene estimate their error by default: a series costs little."""
-    return scene.discretisation == FOURIER
+    """Return whether runs of a scene estimate their error by default: a series costs little.
+
+    Paths that leave a plane have no estimate.
+    """
+    return scene.discretisation == FOURIER and bool(scene.load_paths)
 
 
 def companions_of(
@@ -91,8 +94,10 @@ def companions_of(
     companions = Companions(checkpoints=checkpoints)
     with companions.clock.phase(PHASE):
         try:
-            coarse = two_mesh.coarser(scene)
-            if coarse is scene:
+            coarse = two_mesh.coarser(scene) if scene.load_paths else scene
+            if not scene.load_paths:
+                companions.why_not = "no path stays in one plane"
+            elif coarse is scene:
                 companions.why_not = "there is no coarser mesh than this one"
             elif scene.discretisation == FOURIER:
                 _choose(scene, coarse, companions, lambda each, n: _run(each, n, companions, compute, progress), chosen)

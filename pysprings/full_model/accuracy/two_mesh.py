@@ -52,7 +52,7 @@ DECISIVE = ("load_max", "py_rms")  # measures that choose the number of harmonic
 def coarser(scene: Scene) -> Scene:
     """Return the scene on the coarser mesh, without pictures and fields; the same scene if there is no coarser one.
 
-    Of a fan it has a few paths (`pysprings.scene.fan.few_paths`).
+    Of a fan it has a few paths (`pysprings.scene.fan.few_paths`), of others those in one plane.
     """
     from pysprings.model.build import counts_of
     from pysprings.model.fourier import section_counts_of
@@ -65,7 +65,8 @@ def coarser(scene: Scene) -> Scene:
         changed["azimuth"] = max(8, 4 * round(factor * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
     few = few_paths(scene.springs, scene.caisson)
-    paths = {"paths": (*scene.paths, *few)} if few else {}
+    plane = tuple(path for path in scene.paths if not path.in_space)
+    paths = {"paths": (*plane, *(few or scene.load_paths[len(plane) :]))} if few or plane != scene.paths else {}
     coarse = scene.replace(mesh=changed, output=output, **paths)
     same = section_counts_of if kind == FOURIER else counts_of
     return scene if same(coarse) == same(scene) else coarse

@@ -273,7 +273,7 @@ _FEWER = "take a larger solver.max_step_fraction, fewer paths, or less of [outpu
 
 
 def _increments(scene: Scene) -> str:
-    number, paths = sum(least_increments(scene)), len(scene.load_paths)
+    number, paths = sum(least_increments(scene)), len(scene.all_paths)
     return f"{paths} path{'s' if paths > 1 else ''} of {number:.6g} increments at least"
 
 

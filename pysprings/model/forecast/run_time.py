@@ -47,6 +47,7 @@ PICTURE_SECONDS = {"none": 0.0, "report": 3.0, "all": 10.0}  # of a run, by how 
 # The same of series, by a power of the unknowns; with water; and of the two runs on a coarser section that choose the
 # harmonics and estimate the error, of four paths at most (full_model.accuracy.own_estimate).
 _SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 9.0e-7, 1.2
+_WHOLE = 2.7  # of an increment of the whole caisson beside one of its half, N 3 (2.2 to 3.1 for N 2 to 5)
 _SERIES_WATER, _SERIES_ESTIMATE, _ESTIMATED_PATHS = 1.5, 0.7, 4
 # Of series an increment beyond lift-off takes this times a power of the unknowns as long as one before: on finer
 # sections stations of the inner wall flip more often, and sand localises.
@@ -57,7 +58,7 @@ def least_increments(scene: Scene) -> list[int]:
     """Return the number of increments that each path needs when every one converges at once."""
     return [
         sum(fewest_increments(stage) for stage in path_stages(scene, path, 0.0, undrained_time=1.0))
-        for path in scene.load_paths
+        for path in scene.all_paths
     ]
 
 
@@ -66,7 +67,7 @@ def likely_increments(scene: Scene) -> list[float]:
     least = least_increments(scene)
     return [
         number * (1.0 + (_LIFT_OFF_INCREMENTS - 1.0) * _lifted(scene, path))
-        for number, path in zip(least, scene.load_paths, strict=True)
+        for number, path in zip(least, scene.all_paths, strict=True)
     ]
 
 
@@ -90,7 +91,7 @@ def seconds(
     """
     paths, pictures = sum(path_seconds(scene, unknowns, water)), PICTURE_SECONDS[scene.output.pictures]
     if scene.discretisation == "fourier":
-        share = min(1.0, _ESTIMATED_PATHS / len(scene.load_paths))
+        share = min(1.0, _ESTIMATED_PATHS / max(len(scene.load_paths), 1))
         return pictures + _SERIES_START + (1.0 + _SERIES_ESTIMATE * share) * paths
     if uses_superlu(scene) if superlu is None else superlu:
         paths *= superlu_time(unknowns)
@@ -105,9 +106,11 @@ def path_seconds(scene: Scene, unknowns: int, water: bool | None = None) -> list
         lift_off = _SERIES_LIFT_OFF * unknowns**_SERIES_LIFT_OFF_EXPONENT
     wet = scene.drainage.mode != "drained" if water is None else water
     each *= slower if wet else 1.0
-    lifted = [_lifted(scene, path) for path in scene.load_paths]
+    lifted = [_lifted(scene, path) for path in scene.all_paths]
+    whole = [_WHOLE if path.in_space else 1.0 for path in scene.all_paths]
     return [
-        each * n * (1.0 - share + lift_off * share) for n, share in zip(least_increments(scene), lifted, strict=True)
+        each * slow * n * (1.0 - share + lift_off * share)
+        for n, share, slow in zip(least_increments(scene), lifted, whole, strict=True)
     ]
 
 

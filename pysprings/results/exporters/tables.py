@@ -10,6 +10,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.springs.path import paths_of
 
 # Column -> variable of a result path. The order is part of the public contract.
@@ -28,6 +29,14 @@ LOAD_DISPLACEMENT = {
     "F_pw_N": "F_pw",
     "F_in_N": "F_in",
     "F_out_N": "F_out",
+    "converged": "converged",
+}
+
+# The same of runs with a path that leaves the plane of x
+IN_SPACE = {
+    "time_s": "time",
+    **{f"{name}_{'rad' if 'rot' in name else 'm'}": name for name in MOTIONS},
+    **{f"{name}_{'Nm' if name in ('M_x', 'M_y', 'T') else 'N'}": name for name in LOADS},
     "converged": "converged",
 }
 
@@ -53,13 +62,41 @@ _COMPONENTS = ("normal", "shear", "water", "total")
 
 
 def load_displacement(result: xr.DataTree) -> pd.DataFrame:
-    """Return loads and displacements of the whole caisson by path and step (SI), unconverged steps marked."""
+    """Return loads and displacements of the whole caisson by path and step (SI), unconverged steps marked.
+
+    Where a path leaves the plane of x, all have the columns of six degrees of freedom.
+    """
+    paths = {name: each.recorded for name, each in paths_of(result).items()}
+    space = result.children["space"].children if "space" in result.children else {}
+    if space or any(path.attrs.get("direction_rad") for path in paths.values()):
+        turned = {name: _turned(path) for name, path in paths.items()}
+        return _in_space(turned | {name: node.to_dataset(inherit=False) for name, node in space.items()})
     frames = []
     for name, recorded in paths_of(result).items():
         path = recorded.recorded
         n = path.sizes["step"]
         head = {"path": [name] * n, "step": np.arange(n)}
         frames.append(pd.DataFrame(head | {column: path[key].values for column, key in LOAD_DISPLACEMENT.items()}))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _turned(path: xr.Dataset) -> xr.Dataset:
+    """Return a path in one plane with the variables of six degrees of freedom, in its direction."""
+    angle, nothing = float(path.attrs.get("direction_rad", 0.0)), 0.0 * path["w"]
+    along, across = np.cos(angle), np.sin(angle)
+    names = {"u_x": along * path["u"], "u_y": across * path["u"], "H_x": along * path["H"], "H_y": across * path["H"]}
+    names |= {"rot_x": -across * path["rotation"], "rot_y": along * path["rotation"], "rot_z": nothing}
+    names |= {"M_x": -across * path["M"], "M_y": along * path["M"], "T": nothing}
+    return path[["time", "w", "V", "converged"]].assign(names)
+
+
+def _in_space(paths: dict[str, xr.Dataset]) -> pd.DataFrame:
+    """Return the table of paths in six degrees of freedom."""
+    frames = []
+    for name, path in paths.items():
+        n = path.sizes["step"]
+        head = {"path": [name] * n, "step": np.arange(n)}
+        frames.append(pd.DataFrame(head | {column: path[key].values for column, key in IN_SPACE.items()}))
     return pd.concat(frames, ignore_index=True)
 
 

@@ -16,6 +16,7 @@ from fe_engine.settings import Settings
 from fe_engine.soil import plasol
 from fe_engine.state import State
 from pysprings import Scene
+from pysprings.core.path_kinds import LOADS
 from pysprings.model import build, fourier
 from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
@@ -23,6 +24,7 @@ from pysprings.model.forecast.omissions import left_out
 from pysprings.model.stages import path_stages
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
+from pysprings.scene.space import TURNS
 from pysprings.scene.toml import field_of
 from tests.support import tiny
 
@@ -220,6 +222,12 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("path", "vertical_load"): 3e6,
     ("drainage", "mode"): "coupled",
 }
+_HELD = {"lateral_displacement": None, "role": "held-back"}
+_SPACE: dict[str, dict[str, Any]] = {
+    "twist": _HELD | {"kind": "twist", "twist": 1e-3}, "radius": _HELD | {"kind": "circle", "radius": 1e-3},
+    **dict.fromkeys(TURNS, _HELD | {"kind": "motion", "u_x": 1e-3}),
+    **dict.fromkeys(LOADS, _HELD | {"kind": "load", "H_y": 1e6}),
+}  # fmt: skip
 # What a path must be for a field of it to be used.
 PATHS: dict[str, dict[str, Any]] = {
     "rotation": {"kind": "translation"},
@@ -228,6 +236,7 @@ PATHS: dict[str, dict[str, Any]] = {
     "rate": {"rate": 1e-4},
     "then": {"role": "held-back"},
     "load_angle": {"kind": "probe", "load_angle": 0.3, "role": "held-back"},
+    **_SPACE,
     "arm_from": {"kind": "load", "lateral_force": 1e6, "lateral_displacement": None, "role": "held-back", "arm": 2.0},
 }
 
@@ -294,6 +303,7 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
     # no step sizes and a surcharge that K0 and cohesion can work with
     scene = tiny.scene(solver={"first_step_fraction": None, "max_step_fraction": None})
     if section == "path" and name in PATHS:
+        scene = scene.replace(mesh={"discretisation": "fourier"}) if name in _SPACE else scene
         path = {key: v for key, v in (scene.paths[0].model_dump() | PATHS[name]).items() if v is not None}
         scene = scene.replace(paths=(path,))
     if (section, name) == ("mesh", "harmonics"):

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: MIT
+"""Paths that leave the plane of one load: scene keys, refusals, and what a run makes of them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fe_engine.solve.stepping import fewest_increments
+from pysprings import Scene, extract_springs
+from pysprings.core.errors import UserInputError
+from pysprings.core.path_kinds import LOADS, MOTIONS
+from pysprings.full_model.compute import compute
+from pysprings.model.stages import path_stages
+from pysprings.results.exporters.tables import load_displacement
+from pysprings.scene.extent import PAPER
+from pysprings.scene.load import parse_scene
+from pysprings.scene.sections import PAPER_SOIL
+from tests.support import tiny
+
+HELD = {"role": "held-back"}
+PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3, "direction": np.radians(30.0)}
+TWIST = {"name": "twist", "kind": "twist", "twist": 1e-3, "report_at": (5e-4,), "then": ["0 mrad"]} | HELD
+ELBOW = {"name": "elbow", "kind": "translation", "lateral_displacement": 1e-3, "then": ["2 mm towards 90 deg"]} | HELD
+FREE = {
+    "name": "free",
+    "kind": "pull",
+    "lateral_displacement": 1e-3,
+    "arm": 4.0,
+    "then": ["1 mm towards 90 deg"],
+} | HELD
+LOAD = {"name": "load", "kind": "load", "H_x": 1e6, "M_x": 4e6, "T": 5e5, "V": 2e6} | HELD
+MOTION = {"name": "motion", "kind": "motion", "u_x": 1e-3, "rot_z": 5e-4, "heave": "fixed"} | HELD
+PATHS = (PULL, TWIST, ELBOW, FREE, LOAD, MOTION)
+
+
+def scene(*paths, **sections):
+    mesh = {"preset": "coarse", "harmonics": 2}
+    return Scene(domain=PAPER, soil=PAPER_SOIL, paths=paths, **{"mesh": mesh, "solver": {"tolerance": 1e-4}} | sections)
+
+
+@cache
+def result():
+    return compute(scene(*PATHS)).recorded()
+
+
+@cache
+def table():
+    return load_displacement(result()).set_index("path")
+
+
+def last(name):
+    return table().loc[name].iloc[-1]
+
+
+def test_all_paths_have_the_columns_of_six_degrees_of_freedom():
+    units = {"T": "Nm", "M": "Nm", "H": "N", "V": "N", "u": "m", "w": "m", "r": "rad"}
+    names = [f"{name}_{units[name[0]]}" for name in (*MOTIONS, *LOADS)]
+    assert list(table().columns) == ["step", "time_s", *names, "converged"]
+    assert set(table().index) == {path["name"] for path in PATHS}
+    assert (table()["converged"] == 1).all()
+
+
+def test_a_path_in_one_plane_stays_with_the_half_model_and_is_turned_in_the_table():
+    half, row = result()["paths/pull"].to_dataset(), last("pull")
+    c, s = np.cos(np.radians(30.0)), np.sin(np.radians(30.0))
+    assert row[["u_x_m", "u_y_m"]].tolist() == pytest.approx([1e-3 * c, 1e-3 * s])
+    H, M, turn = (float(half[name][-1]) for name in ("H", "M", "rotation"))
+    assert row[["H_x_N", "H_y_N"]].tolist() == pytest.approx([H * c, H * s])
+    # it leans towards the load: about -x and +y
+    assert row[["rot_x_rad", "rot_y_rad"]].tolist() == pytest.approx([-turn * s, turn * c])
+    assert row[["M_x_Nm", "M_y_Nm"]].tolist() == pytest.approx([-M * s, M * c], abs=1.0)
+    assert turn > 0.0
+    alone = compute(scene({k: v for k, v in PULL.items() if k != "direction"})).recorded()["paths/pull"].to_dataset()
+    for name in ("u", "H", "M", "p"):
+        np.testing.assert_array_equal(alone[name].values, half[name].values)
+
+
+def test_springs_are_made_of_the_paths_in_one_plane():
+    assert list(extract_springs(result())["paths"].children) == ["pull"]
+    assert list(result()["space"].children) == [path["name"] for path in PATHS[1:]]
+
+
+def test_given_loads_and_motions_are_there():
+    row = last("load")
+    wanted = [1e6, 0.0, 2e6, 4e6, 0.0, 5e5]
+    assert row[
+        [f"{name}_N" if name in ("H_x", "H_y", "V") else f"{name}_Nm" for name in LOADS]
+    ].tolist() == pytest.approx(wanted, abs=200.0)
+    assert row["u_x_m"] > 0.0 and row["u_y_m"] < 0.0 < row["rot_x_rad"]  # M about +x leans it towards -y
+    assert row["rot_z_rad"] > 0.0 and row["w_m"] > 0.0
+    row = last("motion")
+    assert row[["u_x_m", "u_y_m", "w_m", "rot_x_rad", "rot_y_rad", "rot_z_rad"]].tolist() == pytest.approx(
+        [1e-3, 0.0, 0.0, 0.0, 0.0, 5e-4], abs=1e-15
+    )
+    assert row["H_x_N"] > 0.0 and row["T_Nm"] > 0.0 and row["M_y_Nm"] < 0.0  # held upright, as in the half model
+
+
+def test_a_head_is_free_under_a_load_at_a_height_in_either_direction():
+    row = last("free")
+    assert row["u_y_m"] == pytest.approx(1e-3)
+    assert row["M_y_Nm"] == pytest.approx(4.0 * row["H_x_N"], abs=100.0)
+    assert row["M_x_Nm"] == pytest.approx(-4.0 * row["H_y_N"], abs=100.0)
+    assert row["T_Nm"] == pytest.approx(0.0, abs=100.0)
+
+
+def test_a_twist_turns_back_with_friction_and_moves_nothing_else():
+    twist = table().loc["twist"]
+    assert 5e-4 in twist["rot_z_rad"].round(12).tolist()
+    assert twist["T_Nm"].max() > 0.0 > twist["T_Nm"].iloc[-1]
+    assert np.abs(twist[["u_x_m", "u_y_m", "rot_x_rad", "rot_y_rad"]].to_numpy()).max() < 1e-9
+
+
+def test_the_reactions_by_depth_lid_and_tip_carry_the_load():
+    """p and torque of the skirt are most of H and of T, along the motion, and the rest of them is at lid and tip."""
+    elbow = result()["space/elbow"].to_dataset()
+    height = elbow["depth_bounds"][:, 1] - elbow["depth_bounds"][:, 0]
+    skirt = {name: float((elbow[name].sum("side") * height).sum("depth")[-1]) for name in ("p_x", "p_y")}
+    assert 0.8 < skirt["p_y"] / float(elbow["H_y"][-1]) < 1.0
+    twist = result()["space/twist"].to_dataset()
+    at = int(np.argmax(twist["T"].values))
+    torque = float((twist["torque"].sum("side") * height).sum("depth")[at])
+    assert 0.4 < torque / float(twist["T"][at]) < 1.0
+    around = twist["shear_around"].sel(side="outside").isel(step=at)
+    assert float(around.min()) > 0.0  # the caisson takes the soil along, everywhere
+
+
+def test_the_first_part_of_a_path_is_that_of_the_half_model():
+    """N 2 has other azimuths in the half circle: H within 1 %."""
+    half = compute(scene({"name": "way", "kind": "translation", "lateral_displacement": 1e-3})).recorded()
+    elbow = table().loc["elbow"]
+    row = elbow[np.isclose(elbow["u_x_m"], 1e-3) & (elbow["u_y_m"] == 0.0)].iloc[-1]
+    path = half["paths/way"].to_dataset()
+    assert row["H_x_N"] == pytest.approx(float(path["H"][-1]), rel=0.01)
+    assert row["M_y_Nm"] == pytest.approx(float(path["M"][-1]), rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_turned_path_has_a_turned_answer():
+    ends = []
+    for angle in (0.0, 37.0):
+        turned = {"direction": np.radians(angle), "then": [f"2 mm towards {90.0 + angle} deg"]}
+        path = compute(scene(ELBOW | turned, mesh={"preset": "coarse", "harmonics": 3})).recorded()["space/elbow"]
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        back = np.array([[c, s], [-s, c]])
+        ends.append([back @ [float(path[f"{name}_{axis}"][-1]) for axis in "xy"] for name in "HM"])
+    for straight, turned in zip(*ends, strict=True):
+        assert np.abs(turned - straight).max() < 0.02 * np.abs(straight).max()
+
+
+def test_a_circle_is_one_side_after_the_other_around():
+    path = scene({"name": "round", "kind": "circle", "radius": 5e-3, "direction": np.pi / 2} | HELD).all_paths[0]
+    stages = path_stages(scene(), path, 0.0)
+    at = np.array([stage.target[:2] for stage in stages])
+    np.testing.assert_allclose(at[0], [0.0, 5e-3], atol=1e-15)
+    np.testing.assert_allclose(np.hypot(*at.T), 5e-3)
+    np.testing.assert_allclose(at[-1], at[0], atol=1e-15)
+    assert at[1, 0] < 0.0  # from +x towards +y
+    assert np.unwrap(np.arctan2(at[:, 1], at[:, 0]))[[0, -1]].tolist() == pytest.approx([np.pi / 2, 2.5 * np.pi])
+    assert sum(map(fewest_increments, stages)) > 2 * (len(stages) - 1)
+
+
+@pytest.mark.parametrize(("path", "sections", "text"), [
+    (TWIST, {"mesh": {"discretisation": "hex8"}}, "bricks have half of a caisson"),
+    (TWIST, {"drainage": {"mode": "undrained"}}, "mode = \"drained\""),
+    (TWIST, {"caisson": {"behaviour": "elastic"}}, "behaviour = \"rigid\""),
+    (TWIST, {"output": {"paraview": True}}, "half of a caisson"),
+    (TWIST | {"role": "calibration"}, {}, 'role = "held-back"'),
+    ({"name": "a", "kind": "twist"} | HELD, {}, "needs twist"),
+    ({"name": "a", "kind": "motion"} | HELD, {}, "needs one of u_x"),
+    (TWIST | {"H_x": 1e6}, {}, "does not use it"),
+    (PULL | {"T": 1e6} | HELD, {}, "does not use it"),
+    (TWIST | {"then": ["rest 1 hour"]}, {}, 'goes on with "20 mrad" alone'),
+    (ELBOW | {"then": ["2 mm towards 90 deg", "3 mm"]}, {}, 'goes on with "12 mm towards 90 deg" alone'),
+    (MOTION | {"then": ["2 mm"]}, {}, "does not use it"),
+    (LOAD | {"heave": "fixed"}, {}, "cannot have a vertical load"),
+    ({"name": "a", "kind": "vertical", "vertical_displacement": 1e-3, "then": ["2 mm towards 9 deg"]} | HELD,
+     {}, "cannot go on in another direction"),
+    ({"name": "a", "kind": "vertical", "vertical_displacement": 1e-3, "direction": 1.0}, {}, "does not use it"),
+    ({"name": "a", "kind": "pull", "lateral_displacement": 1e-3, "twist": 0.1}, {}, "does not use it"),
+    (ELBOW | {"then": ["-2 mm towards 90 deg"]}, {}, "must be positive"),
+])  # fmt: skip
+def test_what_cannot_be_is_refused_in_one_line(path, sections, text):
+    with pytest.raises((UserInputError, ValueError), match=text) as caught:
+        Scene(**{"domain": PAPER, "soil": PAPER_SOIL, "paths": (path,)} | sections)
+    assert sum(text in line for line in str(caught.value).splitlines()) == 1
+
+
+def test_paths_survive_a_scene_file_and_count_in_its_digest():
+    given = scene(*PATHS)
+    again = parse_scene(given.to_toml())
+    assert again == given and again.sha256 == given.sha256
+    for change in ({"T": 6e5}, {"V": 3e6}):
+        assert scene(*PATHS[:4], LOAD | change, MOTION).sha256 != given.sha256
+    assert tiny.sand(paths=(PULL,)).sha256 != tiny.sand(paths=({**PULL, "direction": 0.1},)).sha256
+
+
+def test_a_run_without_a_path_in_one_plane_has_no_springs():
+    run = compute(scene(TWIST))
+    assert run.record.status == "complete"
+    assert "paths" not in run.tree.children
+    assert isinstance(load_displacement(run.recorded()), pd.DataFrame)
+    end = run.record.paths["twist"].end
+    assert set(end) == {*MOTIONS, *LOADS} and end["T"] < 0.0
+    assert run.record.paths["twist"].energy["imbalance_over_largest_term"] < 1e-3
