@@ -103,10 +103,10 @@ def _py(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
 
 
 def _common(runs: Mapping[str, Run]) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
-    """Yield the paths that all runs have."""
+    """Yield the paths in one plane that all runs have."""
     first, *others = runs.values()
-    for name in paths_of(first.result):
-        if all(name in common_paths(first, other) for other in others):
+    for name, path in paths_of(first.result).items():
+        if not kind_of(path.dataset.attrs).space and all(name in common_paths(first, other) for other in others):
             yield name, {each: paths_of(run.result)[name].dataset for each, run in runs.items()}
 
 

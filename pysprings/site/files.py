@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from pysprings.core.tables import ENDINGS, Column, Sheet, Table, is_table, one_t
 from pysprings.core.tables.headings import TEXT
 from pysprings.scene.profile_table import EPS50, NAMES, TOTAL, VELOCITY, WATER, columns, row_ends
 from pysprings.scene.sections import BY_LAYER
-from pysprings.site.formats import read_ags, read_bro, read_gef, refused
+from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
 from pysprings.site.sounding import Sounding, sounding
 
 Array = NDArray[np.float64]
@@ -68,6 +68,11 @@ class Site:
     beds: list[Bed] = field(default_factory=list)
     points: Points | None = None
 
+    def down_to(self, depth: float) -> Site:
+        """Return what lies above a depth (m): layers end there."""
+        beds = [replace(bed, bottom=min(bed.bottom, depth)) for bed in self.beds if bed.top < depth]
+        return replace(self, beds=beds)
+
 
 def read_site(files: Sequence[Path]) -> Site:
     """Return what the files hold: cone penetration tests, points by depth, one table of layers.
@@ -81,7 +86,7 @@ def read_site(files: Sequence[Path]) -> Site:
     for path in files:
         raw = _start(path)
         if not is_table(path) or raw.lstrip(b"\xef\xbb\xbf \r\n").startswith((b"#GEFID", b'"GROUP"')):
-            site.soundings += _in_format(path, raw)
+            _add_format(site, path, raw)
         else:
             _add_table(site, path)
         if len({bed.place for bed in site.beds}) > 1:
@@ -97,21 +102,30 @@ def _start(path: Path) -> bytes:
             from None  # fmt: skip
 
 
-def _in_format(path: Path, raw: bytes) -> list[Sounding]:
-    """Return the tests of a file in one of the formats of `formats`."""
+def _add_format(site: Site, path: Path, raw: bytes) -> None:
+    """Read a file in one of the formats of `formats`."""
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     start = text.lstrip()[:200].upper()
-    if start.startswith("#GEFID") or re.match(r"#\w+\s*=", start):
-        return read_gef(path, text)
-    if start.startswith('"GROUP"') or start.startswith('"**'):
-        return read_ags(path, text)
-    if start.startswith("<"):
-        return read_bro(path, raw)
-    kinds = f"a CPT is read from GEF, AGS 4, XML of the BRO, {', '.join(ENDINGS)}"
-    raise refused(path, f"is of no kind that is read: {kinds}; save it as CSV with depth [m], qc [MPa], fs [MPa]")
+    if re.match(r"#\w+\s*=", start):
+        site.soundings += read_gef(path, text)
+    elif start.startswith(('"GROUP"', '"**')):
+        groups = read_ags(path, text)
+        tests, layers = ags_soundings(path, groups), ags_layers(path, groups)
+        depth, values = ags_points(path, groups)
+        if not (tests or values or layers):
+            raise refused(path, "holds no CPT, no strength or density of a laboratory, and no layers of one borehole")
+        site.soundings += tests
+        site.points = _joined(site.points, Points(str(path), depth, values)) if values else site.points
+        site.beds += [Bed(str(path), line, top, bottom, name or "layer", {})
+                      for line, top, bottom, name in layers]  # fmt: skip
+    elif start.startswith("<"):
+        site.soundings += read_bro(path, raw)
+    else:
+        kinds = f"a CPT is read from GEF, AGS 4, XML of the BRO, {', '.join(ENDINGS)}"
+        raise refused(path, f"is of no kind that is read: {kinds}; save it as CSV with depth [m], qc [MPa], fs [MPa]")
 
 
 def _add_table(site: Site, path: Path) -> None:

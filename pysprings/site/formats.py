@@ -17,12 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.text import one_line
 from pysprings.core.units import quoted
+from pysprings.scene.profile_table import WATER
 from pysprings.site.sounding import Sounding, sounding
 
 Array = NDArray[np.float64]
 
 MOST_FAULTS = 5  # rows of a file that are named
+MOST_NAMED = 200  # characters of a description
+_DEPTHS = re.compile(r"^[\d.]+ ?m to [\d.]+ ?m[ :-]*")  # before it
 _UNITS = {
     "m": 1.0, "cm": 1e-2, "mm": 1e-3, "mpa": 1e6, "mn/m2": 1e6, "n/mm2": 1e6, "kpa": 1e3, "kn/m2": 1e3, "pa": 1.0,
     "bar": 1e5, "%": 1e-2,
@@ -138,24 +142,100 @@ def _number(text: str | None, default: float = 0.0) -> float:
 _AGS = {"depth": "SCPT_DPTH", "qc": "SCPT_RES", "qt": "SCPT_QT", "fs": "SCPT_FRES", "Rf": "SCPT_FRR", "u2": "SCPT_PWP2"}
 
 
-def read_ags(path: Path, text: str) -> list[Sounding]:
-    """Return the tests of an AGS 4 file (groups SCPG, SCPT), one a location: its pushes are joined.
+_PRESSURE, _ANGLE, _WEIGHT = (
+    {"kpa": 1e3, "kn/m2": 1e3, "mpa": 1e6},
+    {"deg": np.pi / 180},
+    {"kn/m3": 1e3, "mg/m3": 9.81e3},
+)
+# group, heading of the value, key of a scene, factors to SI, what is taken off: the weight of water
+_AGS_VALUES = (
+    ("TRIT", "TRIT_CU", "undrained_shear_strength", _PRESSURE, 0.0),
+    ("TREG", "TREG_CU", "undrained_shear_strength", _PRESSURE, 0.0),
+    ("TREG", "TREG_PHI", "friction_angle_final", _ANGLE, 0.0),
+    ("LDEN", "LDEN_BDEN", "effective_unit_weight", _WEIGHT, WATER),
+)  # fmt: skip
+Groups = dict[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]
+
+
+def read_ags(path: Path, text: str) -> Groups:
+    """Return the groups of an AGS 4 file: headings, units, rows with their lines.
 
     Raises
     ------
     UserInputError
-        AGS 3, no group SCPT, headings without depth and cone resistance, wrong units, cells that are no numbers.
+        AGS 3, or a file without tests, laboratory tests and layers that are read.
     """
     if text.lstrip().startswith('"**'):
         raise refused(path, "is an AGS 3 file: save it as AGS 4, or its group STCN as CSV")
-    groups = dict(_ags_groups(text))
+    try:
+        groups = dict(_ags_groups(text))
+    except csv.Error as error:
+        raise refused(path, f"is no AGS file ({error})") from None
+    known = ("SCPT", "GEOL", *dict.fromkeys(each[0] for each in _AGS_VALUES))
+    if set(known).isdisjoint(groups):
+        raise refused(
+            path, f"holds none of the groups {', '.join(known)}; its groups are {', '.join(groups) or 'none'}"
+        )
+    return groups
+
+
+def ags_points(path: Path, groups: Groups) -> tuple[Array, dict[str, Array]]:
+    """Return depths (n,) below mudline [m] and values (n,) by key in SI of laboratory tests: triaxial tests, densities.
+
+    Raises
+    ------
+    UserInputError
+        Units that are not known, cells that are no numbers.
+    """
+    depths, found = [], []
+    for group, name, key, factors, less in _AGS_VALUES:
+        head, units, rows = groups.get(group, ([], [], []))
+        if not rows or not {name, "SPEC_DPTH"} <= set(head):
+            continue
+        unit = units[head.index(name)].strip().lower() if head.index(name) < len(units) else ""
+        if unit not in factors:
+            raise refused(
+                path, f"{name}: the unit is {quoted(unit)}, expected one of {', '.join(factors)}", _line_of(units)
+            )
+        values = factors[unit] * _ags_column(path, head, head.index(name), rows) - less
+        depths.append(_ags_column(path, head, head.index("SPEC_DPTH"), rows))
+        found.append((key, values))
+    depth = np.concatenate(depths) if depths else np.empty(0)
+    out = {key: np.full(depth.shape, np.nan) for key, _ in found}
+    ends = np.cumsum([0, *(len(each) for each in depths)])
+    for k, (key, values) in enumerate(found):
+        out[key][ends[k] : ends[k + 1]] = values
+    return depth, {key: values for key, values in out.items() if np.isfinite(values).any()}
+
+
+def ags_layers(path: Path, groups: Groups) -> list[tuple[int, float, float, str]]:
+    """Return line, top and bottom [m] and description of the layers of a borehole; none of several boreholes."""
+    head, _, rows = groups.get("GEOL", ([], [], []))
+    if not rows or not {"LOCA_ID", "GEOL_TOP", "GEOL_BASE", "GEOL_DESC"} <= set(head):
+        return []
+    if len({cells[head.index("LOCA_ID")] for _, cells in rows}) > 1:
+        return []
+    tops, bottoms = (_ags_column(path, head, head.index(name), rows) for name in ("GEOL_TOP", "GEOL_BASE"))
+    names = [_DEPTHS.sub("", one_line(cells[head.index("GEOL_DESC")]))[:MOST_NAMED] for _, cells in rows]
+    lines = zip((line for line, _ in rows), tops.tolist(), bottoms.tolist(), names, strict=True)
+    return [each for each in lines if each[2] > each[1]]
+
+
+def ags_soundings(path: Path, groups: Groups) -> list[Sounding]:
+    """Return the cone penetration tests (groups SCPG, SCPT), one a location: its pushes are joined.
+
+    Raises
+    ------
+    UserInputError
+        Headings without depth and cone resistance, wrong units, cells that are no numbers.
+    """
     if "SCPT" not in groups:
-        raise refused(path, f"holds no CPT (group SCPT); its groups are {', '.join(groups) or 'none'}")
+        return []
     head, units, rows = groups["SCPT"]
     columns = {channel: head.index(name) for channel, name in _AGS.items() if name in head}
     if "depth" not in columns or not {"qc", "qt"} & set(columns) or not rows:
         raise refused(path, "the group SCPT needs SCPT_DPTH and SCPT_RES, and rows of DATA")
-    scales = {channel: _scale(path, channel, units[at] if at < len(units) else "", rows[0][0] - 1, head[at])
+    scales = {channel: _scale(path, channel, units[at] if at < len(units) else "", _line_of(units), head[at])
               for channel, at in columns.items()}  # fmt: skip
     ratios = _ags_ratios(groups)
     by_location: dict[str, list[tuple[int, list[str]]]] = {}
@@ -170,7 +250,7 @@ def read_ags(path: Path, text: str) -> list[Sounding]:
 
 
 def _ags_groups(text: str) -> Iterator[tuple[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]]:
-    """Yield name, headings, units and rows of DATA, with their lines, of each group."""
+    """Yield name, headings, units (behind their line) and rows of DATA, with their lines, of each group."""
     reader = csv.reader(text.splitlines())
     name, head, units = "", [""], [""]
     rows: list[tuple[int, list[str]]] = []
@@ -183,14 +263,18 @@ def _ags_groups(text: str) -> Iterator[tuple[str, tuple[list[str], list[str], li
         elif kind == "HEADING":
             head = cells
         elif kind == "UNIT":
-            units = cells
+            units = [str(reader.line_num), *cells[1:]]
         elif kind == "DATA":
             rows.append((reader.line_num, cells + [""] * (len(head) - len(cells))))
     if name:
         yield name, (head, units, rows)
 
 
-def _ags_ratios(groups: dict[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]) -> dict[str, float]:
+def _line_of(units: Sequence[str]) -> int:
+    return int(units[0]) if units[0].isdecimal() else 1
+
+
+def _ags_ratios(groups: Groups) -> dict[str, float]:
     """Return the area ratio of the cone by location."""
     head, _, rows = groups.get("SCPG", ([], [], []))
     if not {"LOCA_ID", "SCPG_CAR"} <= set(head):

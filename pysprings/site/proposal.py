@@ -38,8 +38,10 @@ WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffness
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 _MEASURED = ("shear_modulus", "effective_unit_weight", "relative_density", *WITH_STRAIN)  # of points, beside strength
 MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
+MOST_NAMED = 60  # characters of a name
 FEWEST_POINTS = 3  # in a layer, for a range
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
+_CAPITALS = re.compile(r"\b[A-Z]{3,}\b")  # of the principal soil in descriptions
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def propose(site: Site, options: Options) -> Proposal:
     UserInputError
         Several tests and none chosen; no layers where the test has no sleeve friction; nothing that gives a value.
     """
-    chosen = _chosen(site.soundings, options)
+    chosen, site = _chosen(site.soundings, options), site.down_to(options.depth)
     if chosen is not None:
         rows, depth = _rows(chosen, site.beds), chosen.depth
         units = _units(chosen, rows, site.beds, options.most)
@@ -161,7 +163,7 @@ def _no_sleeve(test: Sounding, what: str) -> Exception:
 def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[Unit]:
     """Return the layers of a test: those of a table, or proposed ones, without values."""
     if beds:
-        return [Unit(bed.top, bed.bottom, bed.name, _kind(bed, rows.index[_inside(bed, test.depth)])) for bed in beds]
+        return [_unit(bed, rows.index[_inside(bed, test.depth)]) for bed in beds]
     if np.isfinite(rows.index).mean() < 0.3:
         raise _no_sleeve(test, "Soil type")
     cuts = boundaries(test.depth, rows.index, rows.net, rows.effective, most)
@@ -176,13 +178,22 @@ def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[U
     return units
 
 
+def _unit(bed: Bed, index: Array) -> Unit:
+    """Return a layer of a table, without values."""
+    short = bed.name if len(bed.name) <= MOST_NAMED else f"{bed.name[: MOST_NAMED - 3]}..."
+    return Unit(bed.top, bed.bottom, short, _kind(bed, index))
+
+
 def _inside(unit: Unit | Bed, depth: Array) -> NDArray[np.bool_]:
     return (depth >= unit.top) & (depth <= unit.bottom)
 
 
 def _kind(bed: Bed, index: Array) -> str:
     """Return "sand" or "clay" from the name of a layer, from its values, or from I_c; refuse what leaves it open."""
-    kinds = [kind for kind, words in _WORDS.items() if re.search(rf"\b({words})\b", bed.name.lower())]
+    for text in (" ".join(_CAPITALS.findall(bed.name)), bed.name):
+        kinds = [kind for kind, words in _WORDS.items() if re.search(rf"\b({words})\b", text.lower())]
+        if len(kinds) == 1:
+            break
     if len(kinds) != 1:
         sandy = not {"relative_density", "friction_angle_final"}.isdisjoint(bed.values)
         kinds = ["clay"] * ("undrained_shear_strength" in bed.values) + ["sand"] * sandy
@@ -198,7 +209,7 @@ def _units_of_tables(site: Site) -> list[Unit]:
     """Return the layers of a table, or one layer around points, without values."""
     none = np.array([np.nan])
     if site.beds:
-        return [Unit(bed.top, bed.bottom, bed.name, _kind(bed, none)) for bed in site.beds]
+        return [_unit(bed, none) for bed in site.beds]
     assert site.points is not None
     keys = dict.fromkeys(site.points.values, (0.0, 0.0))
     bottom = float(site.points.depth.max())
@@ -242,7 +253,7 @@ def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) ->
 
 def _given(unit: Unit, beds: Sequence[Bed]) -> None:
     for bed in beds:
-        if (bed.top, bed.bottom, bed.name) == (unit.top, unit.bottom, unit.name):
+        if (bed.top, bed.bottom) == (unit.top, unit.bottom):
             unit.law = bed.law
             for key, line in bed.values.items():
                 unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",))
@@ -314,9 +325,11 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
 def _line(depth: Array, values: Array, ends: Array, key: str) -> Array:
     """Return the values (2,) at the ends of a layer: a line by least squares without its outliers, or the mean twice.
 
+    A line needs values over half of the layer.
+
     The line stays between half of the least and twice the greatest value that counts, where it goes beyond the data.
     """
-    if key not in LINEAR or len(values) < FEWEST_POINTS or np.ptp(depth) <= 0.0:
+    if key not in LINEAR or len(values) < FEWEST_POINTS or np.ptp(depth) < 0.5 * (ends[1] - ends[0]):
         return np.full(2, float(np.mean(values)))
     keep = np.full(depth.shape, True)
     for _ in range(2):

@@ -139,3 +139,35 @@ def test_a_folder_of_one_run_takes_no_estimates(tmp_path: Path) -> None:
     (tmp_path / "out" / "run.json").write_text("{}")
     done = command("run", tmp_path / "a.toml", "--out", tmp_path / "out", "--estimate", "low", "--estimate", "best")
     assert done.code == 2 and "holds one run: choose another folder" in done.err
+
+
+def test_resume_makes_what_is_missing(ran: tuple[Path, Result], tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(text())
+    options = ("--out", tmp_path / "out", "--no-figures", "--no-estimate-error")
+    assert (
+        command("run", tmp_path / "a.toml", "--estimate", "low", "--out", tmp_path / "out" / "low", *options[2:]).code
+        == 0
+    )
+    again = command("run", tmp_path / "a.toml", "--estimate", "low", "--estimate", "high", *options, "--resume")
+    assert again.code == 0, again.err
+    assert "has ended (complete): nothing is left to do" in again.err
+    assert list(pd.read_csv(tmp_path / "out" / "estimates.csv").columns) == ["part", "quantity", "low", "high"]
+
+
+def test_an_estimate_that_stops_leaves_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The exit code is that of the run that stopped; the others are there, and side by side."""
+    from pysprings.cli import run as module
+    from pysprings.core.errors import RunIncomplete
+
+    (tmp_path / "a.toml").write_text(text())
+    whole = module._run
+
+    def stops(scene, folder, *rest):
+        stopped = whole(scene, folder, *rest)
+        return RunIncomplete("invented", folder) if folder.name == "low" else stopped
+
+    monkeypatch.setattr(module, "_run", stops)
+    words = [word for each in NAMES for word in ("--estimate", each)]
+    done = command("run", tmp_path / "a.toml", "--out", tmp_path / "out", "--no-figures", *words)
+    assert done.code == 3 and "invented" in done.err
+    assert (tmp_path / "out" / "high" / "springs.nc").exists() and (tmp_path / "out" / "estimates.csv").exists()

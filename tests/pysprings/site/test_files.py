@@ -10,6 +10,7 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.site.files import read_site
+from pysprings.site.proposal import Options, propose
 
 DEPTH = [0.5, 1.0, 1.5, 2.0]
 CONE = [1.2, 4.2, 9.5, 16.0]  # MPa
@@ -62,6 +63,25 @@ AGS = """\
 "DATA","A-1","2","2.00","16.0","110","20"
 "DATA","A-1","1","0.50","1.2","4","5"
 "DATA","A-1","1","1.00","4.2","20","10"
+"""
+LAB = """\
+"GROUP","TRIT"
+"HEADING","LOCA_ID","SPEC_DPTH","TRIT_CU"
+"UNIT","","m","kPa"
+"TYPE","ID","2DP","1DP"
+"DATA","B-1","6.00","60"
+"DATA","B-1","8.00","80"
+
+"GROUP","LDEN"
+"HEADING","LOCA_ID","SPEC_DPTH","LDEN_BDEN"
+"UNIT","","m","Mg/m3"
+"DATA","B-1","7.00","1.9"
+
+"GROUP","GEOL"
+"HEADING","LOCA_ID","GEOL_TOP","GEOL_BASE","GEOL_DESC"
+"UNIT","","m","m",""
+"DATA","B-1","0.00","5.00","0.00 m to 5.00 m - dense clayey SAND"
+"DATA","B-1","5.00","9.00","5.00 m to 9.00 m - stiff sandy CLAY with partings of sand"
 """
 NAMES = (
     "penetrationLength",
@@ -145,6 +165,16 @@ def test_points_by_depth(tmp_path) -> None:
     assert points.values["shear_modulus"] == pytest.approx([18e3 / 9.81 * 120.0**2, np.nan], nan_ok=True)
 
 
+def test_laboratory_tests_and_layers_of_ags(tmp_path) -> None:
+    site = read(tmp_path, "lab.ags", LAB)
+    assert site.points.depth.tolist() == [6.0, 8.0, 7.0]
+    assert site.points.values["undrained_shear_strength"] == pytest.approx([60e3, 80e3, np.nan], nan_ok=True)
+    assert site.points.values["effective_unit_weight"] == pytest.approx([np.nan, np.nan, 0.9 * 9810.0], nan_ok=True)
+    assert [(bed.top, bed.bottom, bed.name) for bed in site.beds] == [
+        (0.0, 5.0, "dense clayey SAND"), (5.0, 9.0, "stiff sandy CLAY with partings of sand")]  # fmt: skip
+    assert [unit.kind for unit in propose(site, Options()).units] == ["sand", "clay"]
+
+
 def test_layers_with_relative_density(tmp_path) -> None:
     text = (
         "Depth from [m],Depth to [m],Soil type,Dr from [%],Dr to [%],Total unit weight [kN/m3]\n0,4,SAND,50,70,19.81\n"
@@ -168,9 +198,10 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("a.gef", OLD_GEF.replace("1.2E+00 4.0E-03", "1.2E+00"), "a.gef:6: the row has 2 values, the columns of the"),
         ("a.gef", GEF.replace("VOID= 2", "VOID= x").replace("VAR= 3", "VAR= y").replace("1.2;", "x;"), "a.gef:14: "),
         ("a.gef", GEF.split("#EOH")[0], "has no line #EOH"),
-        ("a.ags", AGS.replace("MN/m2", "lbf"), 'a.ags:10: SCPT_RES: the unit is "lbf"'),
+        ("a.ags", AGS.replace("MN/m2", "lbf"), 'a.ags:9: SCPT_RES: the unit is "lbf"'),
         ("a.ags", AGS.replace('"9.5"', '"n.m."'), 'a.ags:11: SCPT_RES: "n.m." is not a number'),
-        ("a.ags", AGS.replace('"SCPT"', '"GEOL"'), "holds no CPT (group SCPT); its groups are SCPG, GEOL"),
+        ("a.ags", AGS.replace('"SCPT"', '"HDPH"'), "holds none of the groups SCPT, GEOL, TRIT, TREG, LDEN; its groups"),
+        ("a.ags", LAB.replace('"kPa"', '"psf"'), 'a.ags:3: TRIT_CU: the unit is "psf", expected one of kpa, kn/m2'),
         ("a.ags", '"**PROJ"\n"*PROJ_ID"\n', "is an AGS 3 file: save it as AGS 4"),
         ("a.xml", bro("0.5,1"), "its rows do not have the 7 values that its element parameters lists"),
         ("a.xml", "<root></root>", "holds no cone penetration test of the BRO"),

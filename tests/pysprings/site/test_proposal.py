@@ -151,6 +151,19 @@ def test_layers_of_a_borehole_take_the_place_of_proposed_ones(cpt, tmp_path) -> 
     assert middle(layers[0], "effective_unit_weight", "low") == pytest.approx(19.5e3 - GAMMA)
 
 
+def test_a_depth_ends_the_proposal(cpt, weighed) -> None:
+    layers = proposal(cpt, weighed, "--depth", "8 m")["layers"]
+    assert [each["bottom_m"] for each in layers] == [5.0, 8.0]
+
+
+def test_values_over_a_part_of_a_layer_make_no_line(cpt, weighed, tmp_path) -> None:
+    """Three tests within 2 m of 15 m: their mean, not their slope."""
+    lab = tmp_path / "lab.csv"
+    lab.write_text("Depth [m],su [kPa]\n6,30\n7,40\n8,50\n")
+    su = proposal(cpt, weighed, lab)["layers"][1]["values"]["undrained_shear_strength"]
+    assert su["best"] == pytest.approx([40e3, 40e3])
+
+
 def test_a_test_without_sleeve_friction_needs_the_layers_of_a_borehole(tmp_path) -> None:
     (tmp_path / "a.csv").write_text("z [m],qc [MPa]\n1,5\n2,6\n3,7\n4,8\n")
     done = command("ground", tmp_path / "a.csv")
