@@ -24,7 +24,7 @@ from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 from pysprings.scene.profile_table import key_of, read_layers
-from pysprings.scene.ranges import estimates_of, incomplete, name_estimate, picked
+from pysprings.scene.ranges import incomplete, picked, ranges_in, take_estimate
 from pysprings.scene.sections import (
     Caisson,
     Domain,
@@ -122,7 +122,7 @@ class SceneText:
     @property
     def has_ranges(self) -> bool:
         """Whether a value of the scene, or of its table of layers, has a range."""
-        return len(estimates_of(self._data)) > 1
+        return any(ranges_in(self._data))
 
     def scene(self, changes: Sequence[Change] = ()) -> Scene:
         """Return the scene with values changed; its title names an estimate that is chosen.
@@ -133,9 +133,10 @@ class SceneText:
         changed = applied(data, changes)
         if not data:
             _refuse(self.file, "the file is empty; `pysprings init` writes a commented scene")
-        estimates = estimates_of(data)
-        name_estimate(data, Scene.model_fields["title"].default)
+        estimates, wrong = take_estimate(data, Scene.model_fields["title"].default)
         faults = {Fault((keys,), message): "" for keys, message in incomplete(data)}
+        if wrong and not self._in_table:
+            faults[Fault((("soil", "estimate"),), wrong)] = ""
         scenes = []
         for estimate in estimates:
             try:

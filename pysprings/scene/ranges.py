@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
 
 Keys = tuple[str | int, ...]
@@ -45,22 +46,31 @@ def picked(value: Any, estimate: str) -> Any:
     return [picked(inner, estimate) for inner in value] if isinstance(value, list) else value
 
 
-def estimates_of(data: dict[str, Any]) -> list[str]:
-    """Return the estimate of a scene; behind it the others, where a value has a range."""
-    soil = data.get("soil")
-    given = soil.get("estimate") if isinstance(soil, dict) else None
-    chosen = given if given in ESTIMATES else "best"
-    return [chosen, *(each for each in ESTIMATES if each != chosen)] if any(ranges_in(data)) else [chosen]
+def take_estimate(data: dict[str, Any], title: str) -> tuple[list[str], str]:
+    """Take `soil.estimate` out of the data of a scene, and put it into the title.
 
-
-def name_estimate(data: dict[str, Any], title: str) -> None:
-    """Put the estimate that a scene with ranges chooses into its title; ``title`` is that of a scene without one.
-
-    The heads of exported files, pictures and pages have the title, and hence the estimate.
+    A scene has no such key: its values are those of one estimate. The title is in the heads of exported files, in
+    pictures and pages; ``title`` is that of a scene without one. Returns the estimates that are checked, the chosen one
+    first, and what is wrong with the key; blank for nothing.
     """
     soil, own = data.get("soil"), data.get("title", title)
-    if isinstance(soil, dict) and soil.get("estimate") in ESTIMATES and isinstance(own, str) and any(ranges_in(data)):
-        data["title"] = f"{own[:180]} ({soil['estimate']} estimate)"
+    given = soil.pop("estimate", None) if isinstance(soil, dict) else None
+    ranged = any(ranges_in(data))
+    chosen = given if given in ESTIMATES else "best"
+    wrong = ""
+    if given is not None and given not in ESTIMATES:
+        wrong = f"{quoted(given)} is not one of {', '.join(map(quoted, ESTIMATES))}"
+    elif given is not None and not ranged:
+        wrong = "no value of the scene has a range { low, best, high }: all estimates are the same"
+    elif given is not None and isinstance(own, str):
+        data["title"] = f"{own[:180]} ({given} estimate)"
+    return [chosen, *(each for each in ESTIMATES if ranged and each != chosen)], wrong
+
+
+ESTIMATE: dict[str, Any] = {
+    "description": "which value of each range counts; best where not given",
+    "enum": [*ESTIMATES],
+}
 
 
 def in_schema(schema: dict[str, Any]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from pydantic import Field as Key
 
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.path_kinds import LOADS, MOTIONS, PATH_KINDS, ROLES
-from pysprings.core.words import AUTO, ESTIMATES, Discretisation, Figures, MeshPreset
+from pysprings.core.words import AUTO, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
@@ -238,9 +238,6 @@ class Soil(SoilValues):
     """A frictional soil that hardens, or undrained clay, and its initial state; [[soil.layer]] tables divide it."""
 
     layers: tuple[Layer, ...] = Key((), validation_alias="layer")
-    estimate: Annotated[
-        str | None, Choice(ESTIMATES, "which value of each range counts; best where not given", optional=True)
-    ] = None
 
 
 class Interface(Section):

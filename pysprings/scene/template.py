@@ -37,12 +37,14 @@ def scene_schema() -> dict[str, Any]:
 def _table(model: type[Section]) -> dict[str, Any]:
     """Return the schema of one table."""
     from pysprings.scene import fields, sections, toml
+    from pysprings.scene.ranges import ESTIMATE
 
     properties = {}
     for name, info in model.model_fields.items():
         if name == "layers":
             properties["layer"] = {"type": "array", "items": _table(sections.Layer)}
             properties["profile"] = {"type": "string", "description": _PROFILE, "examples": ["site.csv"]}
+            properties["estimate"] = ESTIMATE
             continue
         field = toml.field_of(info)
         properties[name] = field.schema()

@@ -126,7 +126,7 @@ def test_every_number_of_the_ground_and_the_caisson_has_a_range() -> None:
     free = {"young_modulus", "shear_modulus", "rigidity_ratio", "overconsolidation_ratio", "degradation_limit",
             "friction_angle_initial", "surcharge"}  # fmt: skip
     scene = tiny.sand()
-    keys = {*type(scene.soil).model_fields} - free - {"yield_surface", "layers", "estimate", "shear_modulus_reduction"}
+    keys = {*type(scene.soil).model_fields} - free - {"yield_surface", "layers", "shear_modulus_reduction"}
     assert [key for key in keys if plain_field(key).common is None] == []
     numbers = {f"caisson.{key}" for key in type(scene.caisson).model_fields} - {"caisson.behaviour"}
     assert numbers <= {*RANGES}

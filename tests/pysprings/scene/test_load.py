@@ -262,7 +262,7 @@ def test_schema_knows_every_key_and_no_other() -> None:
     for name, model in SECTIONS.items():
         table = schema["properties"][name]
         table = table["items"] if name == "path" else table
-        assert set(table["properties"]) - {"profile"} == {
+        assert set(table["properties"]) - {"profile", "estimate"} == {
             str(info.validation_alias or key) for key, info in model.model_fields.items()
         }
         assert table["additionalProperties"] is False

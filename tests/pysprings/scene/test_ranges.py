@@ -64,6 +64,21 @@ def test_a_range_without_one_of_the_three_is_refused_with_its_place() -> None:
         parse_scene(SCENE.replace(', high = "39 deg"', ""), "a.toml")
 
 
+def test_an_estimate_of_a_scene_without_ranges_is_refused() -> None:
+    plain = SCENE.replace('{ low = "33 deg", best = "36 deg", high = "39 deg" }', '"36 deg"')
+    with pytest.raises(UserInputError, match=r"a\.toml:2:12: soil\.estimate: no value of the scene has a range"):
+        parse_scene(plain.replace("[soil]", '[soil]\nestimate = "low"'), "a.toml")
+
+
+def test_a_scene_has_the_values_of_one_estimate_and_names_it() -> None:
+    """In Python there is no key that would name another estimate than that of the values."""
+    scene = parse_scene(SCENE, changes=['soil.estimate="high"'])
+    assert scene.title.endswith(" (high estimate)") and "estimate =" not in scene.to_toml()
+    assert "estimate" not in parse_scene(SCENE).title
+    with pytest.raises(ValueError, match="estimate"):
+        scene.replace(soil={"estimate": "low"})
+
+
 def test_an_unknown_estimate_is_refused() -> None:
     with pytest.raises(UserInputError, match=r'soil\.estimate: "lowest" is not one of'):
         parse_scene(SCENE.replace("[soil]", '[soil]\nestimate = "lowest"'), "a.toml")
