@@ -11,8 +11,6 @@ Every run is a process of its own with warm caches; pictures are left out. Secon
 else it does; the ratios less so.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 import os

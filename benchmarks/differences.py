@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How far two NetCDF files are apart that one scene has made twice."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -6,8 +6,6 @@ extrapolated from domains of 80 and 160 diameters (what a domain adds falls as o
 Fourier series on a section whose elements are the same in all domains. Ten minutes.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 from pathlib import Path

@@ -12,8 +12,6 @@ on. ``--table`` writes the table of the evidence. For bricks nothing was fitted 
 (`--fourier`) the settings were chosen with all scenes at hand but those of LATER, which were drawn afterwards.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

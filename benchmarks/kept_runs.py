@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs that a study keeps in a folder, so that the same command goes on where it was stopped."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import xarray as xr

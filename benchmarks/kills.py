@@ -10,8 +10,6 @@ the largest value of its variable. The processes are forks of this one, which ha
 of the run (needs a system with fork; one thread, since those of a solver do not survive it).
 """
 
-from __future__ import annotations
-
 import os
 
 os.environ |= {"MKL_THREADING_LAYER": "SEQUENTIAL", "NUMBA_THREADING_LAYER": "workqueue"}  # before anything loads them

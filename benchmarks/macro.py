@@ -4,8 +4,6 @@
 SPRINGS: springs.nc or the folder of a run; without it a fan of eight invented rays is used. Nothing is asserted.
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import subprocess

@@ -8,8 +8,6 @@ plastic elements fitted to the rays and pulls of the fan, which is what monotoni
 errors stand beside what is aimed at (`benchmarks.memory_aims`).
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Callable, Iterator

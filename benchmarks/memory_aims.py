@@ -6,8 +6,6 @@ of branches of a loop is compared over the largest one of the loop, peaks, secan
 is the change of w. Paths of loads beyond twice the reach have no aim, and a climb is compared as far as the reach.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Caissons and sequences of the benchmark of springs with memory: what they are calibrated on, what is held back."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

@@ -9,8 +9,6 @@ between sea bed and its top, with a mass on it; it is pulled aside and released.
 left out: all foundations start at the same state.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import subprocess

@@ -10,8 +10,6 @@ paper    what the measured cost of a case makes of 100,000 (from the stored rows
 Each section runs `pysprings sweep` in processes of its own. ``--store`` writes its rows to data/evidence.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import random

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """One thread for each worker, a time limit for each tier, and fixtures that several folders use."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

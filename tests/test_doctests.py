@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The examples in docstrings run as they stand."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import re

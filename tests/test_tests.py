@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How the tests are arranged: what they share is in tests/support, and benchmarks do not depend on them."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

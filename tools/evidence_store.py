@@ -7,8 +7,6 @@ date go to ``data/evidence/origins.json``. Pages of docs/evidence link to these 
 the site shows them as tables.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import io

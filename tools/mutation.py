@@ -8,8 +8,6 @@ engine compiles its own: general tools, which change modules in place, run the u
 ``--out``; a second call runs the survivors again.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import json

@@ -5,8 +5,6 @@
 with the reason under `raised`.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import re

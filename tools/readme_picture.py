@@ -5,8 +5,6 @@ DIR is a run of the template `fan` on the mesh `coarse` (`make figure`). The pic
 macro-model on a held-back pull: the fan of the calibration paths, and the p-y springs alone.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

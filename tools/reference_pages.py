@@ -5,8 +5,6 @@ Commands come from the command-line program, outputs and pictures from the regis
 schema, variables from `pysprings.core.variables`.
 """
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -6,8 +6,6 @@ files that hold them, makes the generated pages, runs the checks, builds wheel a
 fails leaves the files as they were. Nothing is uploaded.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import re

@@ -6,8 +6,6 @@ of a run, and printed pages of its workbook go to docs/evidence/site, a PNG of l
 is left as it is. Chromium draws pages, LibreOffice and pdftoppm (poppler-utils) print the workbook.
 """
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

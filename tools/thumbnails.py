@@ -4,8 +4,6 @@
 RESULT is the folder of a run. Pictures that this result does not hold the data for stay as they are.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from io import BytesIO

@@ -6,8 +6,6 @@ Each page is run in a folder of its own with the files `data/tutorials/PAGE-*`, 
 `tests/docs/test_numbers.py` compares the numbers of the pages with it. Ten minutes; ``--only PAGE`` runs one.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import shutil

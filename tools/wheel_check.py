@@ -5,8 +5,6 @@ For each Python that is there the wheel is installed with its dependencies from 
 and predicted from. The sdist is installed with the first of them. A Python that is not there is named as such.
 """
 
-from __future__ import annotations
-
 import argparse
 import shutil
 import subprocess

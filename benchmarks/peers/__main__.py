@@ -9,8 +9,6 @@ in `problem` (one mesh for all). The springs of the macro-model are those of a r
 its start included, but for `predict`, whose compiled loops are loaded.
 """
 
-from __future__ import annotations
-
 import argparse
 import tempfile
 from pathlib import Path

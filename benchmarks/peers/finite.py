@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The elastic caisson and the pushes with contact in all programs."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The caisson in CalculiX, C3D8 and face-to-face penalty contact: `python in_calculix.py elastic|smooth|rough FILE`."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The elastic caisson in Kratos: `python in_kratos.py elastic problem.npz` (StructuralMechanicsApplication)."""
 
-from __future__ import annotations
-
 import json
 import sys
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The caisson in OpenSees: `python in_opensees.py elastic|smooth|rough FILE`; bbarBrick, zeroLengthContactASDimplex."""
 
-from __future__ import annotations
-
 import json
 import sys
 

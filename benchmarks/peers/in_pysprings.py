@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The caisson in pysprings: `python -m benchmarks.peers.in_pysprings elastic|smooth|rough`."""
 
-from __future__ import annotations
-
 import json
 import sys
 import warnings

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The macro-model of a run in all programs, as `pysprings export` writes it, beside `predict`."""
 
-from __future__ import annotations
-
 import json
 import resource
 import sys

@@ -6,8 +6,6 @@ moves by `PUSH` in x, held in all else; penalty contact that opens, with Coulomb
 stress: pressure comes from the push alone.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

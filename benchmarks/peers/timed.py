@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Programs as processes of their own: output, wall time, peak memory; which of them are there, in what version."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import importlib.util
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings accuracy`: runs the study with its progress, prints error against time and the files."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@
 Data go to stdout, messages to stderr.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import os

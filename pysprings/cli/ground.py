@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings ground`: from a CPT, points by depth or layers to the table that `soil.profile` reads."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

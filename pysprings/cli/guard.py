@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Errors of commands: each ends in one line on stderr and its exit code."""
 
-from __future__ import annotations
-
 import errno
 import functools
 import os

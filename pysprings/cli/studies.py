@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings accuracy` and `stability`: many runs, and what they show."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

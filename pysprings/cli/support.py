@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Streams, refusals and quantities of commands."""
 
-from __future__ import annotations
-
 import io
 import os
 import shlex

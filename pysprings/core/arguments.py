@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Checks of the numbers that Python callers pass in."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Compact HTML of an object for notebooks: a title, a few lines of text, and small drawings (light: plain SVG)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 

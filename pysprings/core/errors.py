@@ -4,8 +4,6 @@
 Exit codes: 0 ok; 1 a bug; 2 user input; 3 not converged; 4 resources; 130 interrupted.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import warnings

@@ -4,8 +4,6 @@
 Where Numba is not installed (``requirements-predict.txt``) all of them are plain Python.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar

@@ -5,8 +5,6 @@ Found by the names of their folders, as fast as `pysprings --version` has to be;
 metadata of the packages states. THIRD-PARTY.md has the whole list.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Largest numbers that a caisson can mean, by unit: beyond them arithmetic overflows; pressures of cavitation."""
 
-from __future__ import annotations
-
 import math
 
 # Generous by some orders of magnitude; products of a few of them stay far from overflow.

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The process: standard streams that are closed (`>&-`, cron, a program without a window), threads, interrupts."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

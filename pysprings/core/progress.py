@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Progress of long work: a bar on a terminal, plain lines elsewhere (logs, pipes)."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

@@ -7,8 +7,6 @@ A package adds a case by calling `register`, or by an entry point in the group o
     mine = "my_package.mine:EXPORTER"
 """
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Iterable, Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Numbers, tables and JSON as text: one form for terminal, report and documents."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -9,8 +9,6 @@ A quantity is `<number> <unit>`. pint has the units; the grammar is ours, so tha
 - every name must have a dimension (no `percent`, `dB`, `pi`); an angle is never silently a pure number.
 """
 
-from __future__ import annotations
-
 import difflib
 import json
 import math

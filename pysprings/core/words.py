@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Words that scene file, command line, studies and records share; why a run or a path ended before its aim (light)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal

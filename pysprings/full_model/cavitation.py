@@ -6,8 +6,6 @@
 Below the vapour pressure water boils and carries no further suction, which the equations do not include.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

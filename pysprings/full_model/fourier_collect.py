@@ -4,8 +4,6 @@
 Fields around the ring are those of the stations, and the one trigonometric polynomial through them elsewhere.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The convergence record of a path, its figures, and the cost of a run."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence

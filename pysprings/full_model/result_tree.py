@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a run leaves in memory: its record, and its datasets as one tree with provenance."""
 
-from __future__ import annotations
-
 import os
 import platform
 from typing import Any

@@ -19,8 +19,6 @@ significant mean).
   counts in each.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

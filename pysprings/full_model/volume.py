@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The whole half model at one state, soil and steel, for ParaView, in single precision."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

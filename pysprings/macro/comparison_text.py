@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The comparison of both models as a table for a terminal, and for JSON, with its definitions."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Mapping
 from typing import Any
 

@@ -15,8 +15,6 @@ which may have made the soil yield, they are those of the first step). Interpola
 linear in the data: so the sum of the reactions is the load at every state, as it is at the recorded ones.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -13,8 +13,6 @@ load that climbs and on a path that turns back the answer may pass through zero:
 of the path there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -34,8 +34,6 @@ Springs are odd: a load towards -x is the mirror image of one towards +x. They a
 are in both ways: the body is nonlinear elastic, and a load path that turns back goes back on the same curve.
 """
 
-from __future__ import annotations
-
 from typing import Any, TypedDict, Unpack
 
 import numpy as np

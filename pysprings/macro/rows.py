@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs of one path, or of two pure ones, as rows: what they answer, and where they hold."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property

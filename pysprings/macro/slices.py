@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Convergence of the macro-model with the number of depth slices: error against cost."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import replace

@@ -15,8 +15,6 @@ Every way to drive the body is a pair of constant 2x2 matrices:  g(x) = G x + C 
 - displacement and rotation imposed:        G = identity, C = 0, c = (u, rotation)
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -6,8 +6,6 @@ whatever spring set predicts. At a state it is that of the springs. The secant i
 straight way from rest to the state, so that it times the motion is the load.
 """
 
-from __future__ import annotations
-
 from typing import Any, TypedDict, Unpack
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs that are curves of their own, as in a user's table: no recorded path of a full model stands behind them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

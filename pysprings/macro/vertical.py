@@ -16,8 +16,6 @@ laterally, or where V = V'; what the second is worth away from V' is measured by
 with a `vertical_load` of their own.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

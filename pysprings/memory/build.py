@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs -> model with a memory: calibrated from their rays, or read where a file holds the elements."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from itertools import product

@@ -6,8 +6,6 @@ directions m with factors >= 0: symmetric and positive. Elements that share gaug
 become one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -40,8 +40,6 @@ closed way gives work. While the plate slips the tangent has no symmetry, and ca
 of any contact with friction. The state is s = (s1, s2, T).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

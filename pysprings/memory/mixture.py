@@ -21,8 +21,6 @@ Lateral reactions at a V are those of the sets by their shares; vertical ones an
 the sets, each times its share at the time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with a memory: the response of elements along sequences from rest."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from functools import cached_property

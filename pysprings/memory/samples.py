@@ -6,8 +6,6 @@ load across the motion is a large one of the motion, which rays do not show. Bey
 fan does, with a small weight: else they would carry no more there than at the reach.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -14,8 +14,6 @@ rows come from ridge regressions over the ways of the calibration. For the even 
 which each ray that turns back is predicted best by the others. The water's part of p is in `water`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

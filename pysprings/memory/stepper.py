@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with a memory step by step, with a state that is kept."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ diameters, another caisson has cells of the same sizes beside wall, mudline and 
 next; a longer skirt has more of them, a wider domain more beyond the reach of theirs.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@ elements. Rings are stretched by sqrt(D/sin D), D the azimuth step, so that each
 its circle: the leading geometric error of a faceted circle cancels.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

@@ -4,8 +4,6 @@
 ``python -m pysprings.results.axes FILE.svg`` writes the drawing.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A table as a workbook for people: one look, rows written one by one, however many there are."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path

@@ -7,8 +7,6 @@ A spring set is an `xarray.DataTree`: the root has the caisson and where the spr
 (`pysprings.springs.springs`) is the same set with typed attributes.
 """
 
-from __future__ import annotations
-
 import os
 import unicodedata
 from collections.abc import Iterator

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Full-model result -> spring set: interface reactions by depth, and the check that they balance the load."""
 
-from __future__ import annotations
-
 import xarray as xr
 
 from pysprings.core import variables

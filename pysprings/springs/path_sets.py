@@ -17,8 +17,6 @@ vertical load of the scene. Between two sets every reaction is interpolated at t
 V_a)/(V_b - V_a). Beyond the lightest and the heaviest set the nearest one answers, and the answer is marked.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Sums of the reactions of a path: over sides and components, over depth, and beside its loads."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -6,8 +6,6 @@ p in the last slice does not: it grows as the slice gets thinner. Distributed sp
 the resultant of the edge, not its p.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray

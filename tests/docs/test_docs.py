@@ -4,8 +4,6 @@
 Tiny scenes replace those that would take minutes. The commands of a document run in a scratch folder.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import shlex

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The examples of the gallery run, print no warning, and draw a picture."""
 
-from __future__ import annotations
-
 import runpy
 from pathlib import Path
 

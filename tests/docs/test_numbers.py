@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The numbers of the tutorials and of the first-run page are those that the commands print, to two digits."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

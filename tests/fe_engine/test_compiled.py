@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Compiled loops between processes: made anew when any source changes, wherever they are kept; none needs a place."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

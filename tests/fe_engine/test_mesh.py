@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Mesh quality figures and refusals."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

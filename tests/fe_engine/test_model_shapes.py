@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Every array of a model that has another shape than its parts ask for is refused, by name, with both shapes."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from typing import Any

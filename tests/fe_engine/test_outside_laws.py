@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Laws from outside the package: more history than any of ours, contact that cannot open, a register that is closed."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

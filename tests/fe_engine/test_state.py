@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Committed and trial fields: only a commit moves the committed ones, and a failure leaves every bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

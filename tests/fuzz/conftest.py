@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Prints at the end how many hostile inputs were tried, accepted and refused."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from tests.fuzz import judge

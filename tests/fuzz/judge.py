@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What hostile input may do: give a finite answer, or be refused in clear lines; everything else fails. Counts both."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

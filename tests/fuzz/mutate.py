@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Damage to texts and bytes, drawn as small lists of (what, where, how), which hypothesis can shrink."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 

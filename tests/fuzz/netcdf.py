@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Hostile NetCDF files: spring sets damaged as datasets and as bytes."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator
 from functools import cache

@@ -6,8 +6,6 @@
 runs so many scenes from a seed on and prints a line for each that is judged bad, and a tally.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Hostile scenes: real ones damaged, and typed ones over the whole range of every key."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Hostile tables: CSV files and Excel workbooks of springs, sequences of loads; cells, columns, archives."""
 
-from __future__ import annotations
-
 import io
 import zipfile
 from collections.abc import Sequence

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Spring files, damaged, through `pysprings predict, compare, springs`: a finite answer, or a refusal."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

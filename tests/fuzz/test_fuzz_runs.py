@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Random scenes through a whole run: no error of the program, no lost result, no balance that does not close."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scene files, damaged and extreme, through `pysprings check`: described, or refused in clear lines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

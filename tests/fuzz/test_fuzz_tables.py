@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Tables of springs and sequences, damaged, through `pysprings predict`: an answer, or refusals with their lines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

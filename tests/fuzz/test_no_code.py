@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Nothing in the packages turns input into code, starts a shell or another program, or reads pickles."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The package's front door, and what the project files promise."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

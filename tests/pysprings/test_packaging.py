@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What an installation needs, and names and files that Linux, macOS and Windows read alike."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The release command, on a small repository of its own."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path

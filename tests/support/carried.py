@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Models that carry what a scene leaves out, and a push of a model."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass, replace
 from typing import Any

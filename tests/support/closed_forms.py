@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs of one pull with an answer in closed form: linear ones, and ones that yield."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

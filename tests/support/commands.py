@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Run the command line in this process, and Python in a fresh one."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -4,8 +4,6 @@
 Numbers have four digits. Where labels end up after they have been moved apart depends on the fonts and is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any
 

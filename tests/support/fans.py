@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Fans of rays whose p and m follow a law in closed form, coupled or linear."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from scipy.optimize import brentq

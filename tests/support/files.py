@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Read what a run leaves: its record, all bytes of its folder, its report."""
 
-from __future__ import annotations
-
 import json
 from html.parser import HTMLParser
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The SoilDyn library called as OpenFAST calls it: arrays of the caller, everything by reference."""
 
-from __future__ import annotations
-
 import ctypes
 from pathlib import Path
 

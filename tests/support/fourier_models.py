@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Small Fourier models that the engine's tests share."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

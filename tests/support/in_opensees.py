@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """OpenSees as a process: a program of these tests, or words, with a task in JSON in and an answer in JSON out."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import os

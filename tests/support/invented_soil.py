@@ -8,8 +8,6 @@ are equilibria under the loads, so sums, balances and extraction can be tested a
 depend on displacement *and* rotation, as real ones do: p-y curves of one path do not hold on another.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory under two vertical loads, with invented elements."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Results of the invented caisson as the accuracy study measures them: three kinds of paths, initial stiffness."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import xarray as xr

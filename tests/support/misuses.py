@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Misuses of the program, each with what it has to say: `tests/pysprings/cli/test_misuses.py` runs them."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Programs of OpenFAST 5.0.0 as outside answers: where they are, and SoilDyn's driver with its input and output."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

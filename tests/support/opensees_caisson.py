@@ -6,8 +6,6 @@ Motions along the load, and across it, and the number of nodes come out.
 z upwards: M at the angle 0 is a moment about +y, as the rotation.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import math

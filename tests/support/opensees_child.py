@@ -5,8 +5,6 @@ Lateral x, upwards y: its rotation then has the sign of ours. A lateral spring s
 moment acts on the rigid body wherever it sits.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 

@@ -4,8 +4,6 @@
 Runs as a program, since laws are added before loops are compiled: ``python -m tests.support.outside_laws``.
 """
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

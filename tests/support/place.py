@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Where the project and its scenes are."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]

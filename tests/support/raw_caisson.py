@@ -6,8 +6,6 @@ differ from station to station, so that no two columns of a table are alike. `re
 that a run has; `Raw` adds the same stations up one by one, from the mesh alone.
 """
 
-from __future__ import annotations
-
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What the tests of the soil laws at one point share: an update with all it writes, invariants, draws of a sweep."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@
 ``RENEW_TEXTS=1 pytest FILE`` writes them anew. What has changed is in the diff of the commit, to be read there.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable
 from difflib import unified_diff

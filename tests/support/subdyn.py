@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A short, stiff tower on a foundation for SubDyn's driver: its input files, run with imposed motions of its top."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

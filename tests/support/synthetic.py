@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Result and spring trees of the true schema, made of the invented soil (`invented_soil.py`)."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scenes of two short paths, which runs that stop or share their work go through, and what makes two runs the same."""
 
-from __future__ import annotations
-
 import xarray as xr
 
 import pysprings

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with vertical paths of a known curve, and the same rays under several vertical loads."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Watch a piece of work: files that it writes, programs that it starts, and whether it comes back."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

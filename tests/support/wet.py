@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs of coupled paths at one rate, whose water pressure relaxes as one Maxwell body."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

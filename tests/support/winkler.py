@@ -5,8 +5,6 @@ Each spring is a Masing model (Iwan 1967): perfectly plastic elements in paralle
 to +-K_k d_k, so that unloading follows twice the backbone. It has nothing to do with the elements of the springs.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Files of springs that a run writes, for tests that read them back."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pandas as pd

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The claims: verdicts follow the figures, and turn when the figures do."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rigid against elastic steel, and the two yield surfaces: what is read from where, and what an absent run leaves."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

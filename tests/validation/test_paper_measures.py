@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Numbers read from a run of the paper's case: exact on curves and fields whose answers are known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

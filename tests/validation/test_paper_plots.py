@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The paper's curves and signed rose diagrams show the dataset's numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

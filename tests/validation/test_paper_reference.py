@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The reference results in data/reference: they can be read, say where they come from, and are still what comes out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

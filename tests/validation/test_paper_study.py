@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The study of the paper on tiny runs: what has ended stays, what was interrupted goes on, a part is said to be one."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

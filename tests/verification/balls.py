@@ -4,8 +4,6 @@
 Its plane z = 0 is a quarter of a disc, meshed with quadrilaterals in the same way.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from fe_engine.elements import hex8

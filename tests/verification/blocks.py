@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Small models by hand: boxes of hexahedra, border dofs that drive nodes, and one-line runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -5,8 +5,6 @@ The strength is su = su_m (1 + kappa z/D), su_0 that at the level of the skirt t
 and M/(A D su_0) with A = pi D^2/4. The skirt is thin (D/2000), and its tip bears nothing.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Bodies in Tresca clay that are no caissons: a disc on the surface (Fourier series), a pile in a slice of bricks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Interfaces with a film of water on the small models: one station and one film node on every node of the faces."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

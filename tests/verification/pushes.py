@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Pushes of the paper's drained caisson at model level, with copies of the state where a case wants to look."""
 
-from __future__ import annotations
-
 from copy import deepcopy
 from dataclasses import dataclass
 

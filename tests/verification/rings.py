@@ -6,8 +6,6 @@ Stiff penalties at integration points that couple the nodes of a face make press
 be set side by side; a ring is the stations of one wall at one depth, with their mirror images.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -7,8 +7,6 @@ those of the same case in the file and follow those of other cases. Exit 1 when 
 fails.
 """
 
-from __future__ import annotations
-
 import argparse
 import csv
 import math

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The axisymmetric oracle against an exact answer, mixed elements, a boundary method, another order, and itself."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 from functools import cache

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """An elastic caisson and a push with contact beside OpenSees and CalculiX, on the same mesh (`benchmarks.peers`)."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

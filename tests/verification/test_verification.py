@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Every row of the verification table within its tolerance, and the means by which the table judges."""
 
-from __future__ import annotations
-
 import csv
 import math
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Pore water for the small models: what fills them, stages that take time, and states along a run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """``python -m validation.paper``: run the reproduction with its progress, print the claims and the files."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Annotated

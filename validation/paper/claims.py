@@ -5,8 +5,6 @@ A claim's verdict comes from a criterion that is stated with it; the criteria tu
 its text gives few. "partly" is what holds in part of the criterion's items.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

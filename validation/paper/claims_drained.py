@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The paper's claims about the drained pull, measured (1 to 7)."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

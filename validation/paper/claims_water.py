@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The paper's claims about partial drainage, rate and friction, measured (8 to 13)."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

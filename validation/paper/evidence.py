@@ -5,8 +5,6 @@
 (`make paper-evidence`). Tables go to ``data/evidence``, pictures to ``docs/evidence/paper``; the page shows them.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

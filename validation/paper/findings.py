@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a claim of the paper comes to: our figure, whether each item of its criterion holds, and the words for it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

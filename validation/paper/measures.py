@@ -5,8 +5,6 @@ A path is the `dataset` of a `pysprings.springs.path.RecordedPath` (converged st
 the lid centre. Where a run has stopped before a displacement, its measures there are NaN.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

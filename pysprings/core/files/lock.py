@@ -5,8 +5,6 @@ The lock is the operating system's, on a file in the folder: it dies with its pr
 names its holder, for the message of the next run.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import platform

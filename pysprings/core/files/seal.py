@@ -10,8 +10,6 @@ of everything else in the file as it is stored, groups, dimensions, attributes a
 order of their names.
 """
 
-from __future__ import annotations
-
 import hashlib
 import mmap
 import os

@@ -6,8 +6,6 @@ Content that is too large by the file's header is rejected before a number is lo
 take no room on a disk, whatever their size, and a file of 100 kB can ask for any memory.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -5,8 +5,6 @@ The list is in `run.json` (`files`) once everything is written. Until then it is
 a run that was killed leaves it, too.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Faults of a table, collected with file and line."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Table files -> sheets of cells: CSV text (UTF-8, UTF-16, Windows-1252) and Excel workbooks; others are refused."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

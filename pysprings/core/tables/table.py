@@ -5,8 +5,6 @@ The heading is the first row with two known columns: titles and comments may sta
 row of units, or of "from" and "to", below it. Columns without heading and values are left out, and so is an index.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import warnings

@@ -4,8 +4,6 @@
 The header has origin, frame, units, conditions, range of validity, measured error.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

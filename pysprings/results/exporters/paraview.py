@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """ParaView files of a run that kept the whole model: a `.pvd` for each path, a `.vtu` for each step."""
 
-from __future__ import annotations
-
 from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target
 
 

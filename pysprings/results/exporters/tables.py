@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Tables behind the CSV files, as data frames in SI with the unit in every column name."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -7,8 +7,6 @@ and the forces on tip and lid. SI; each heading names quantity, unit, depth and 
     y_m z=0.5 [0.25..0.75]
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

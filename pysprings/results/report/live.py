@@ -5,8 +5,6 @@ The page holds one copy of plotly.js, compressed; the browser unpacks it. Where 
 off, or the page is printed, the pictures of matplotlib stand in the same places.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import hashlib

@@ -5,8 +5,6 @@
 `pysprings springs` writes them), `curves` from independent curves; `open_table` chooses.
 """
 
-from __future__ import annotations
-
 import os
 
 import xarray as xr

@@ -4,8 +4,6 @@
 Rows of tables belong to slices from mudline to the tip; net rows stand among the parts.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rows of a table file: columns, numbers and names, each checked with its line."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A table that records paths of a rigid body, as our own `py.csv` does: back to a spring tree."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import xarray as xr

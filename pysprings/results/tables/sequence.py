@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A sequence of loads or motions from a small table: one a line, in order."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The table of a study: a row a setting of the full model, then a row a macro-model; costs and errors."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

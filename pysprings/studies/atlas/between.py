@@ -11,8 +11,6 @@ What the interpolation misses is seen where a ray is left out. By the third powe
 added to the new rays; its size counts as their standard deviation.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise

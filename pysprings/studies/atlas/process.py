@@ -5,8 +5,6 @@ Kernel: s^2 (1 + r sqrt(5) + 5 r^2/3) exp(-r sqrt(5)) (Matern 5/2; Rasmussen & W
 inputs divided by a length each, and a noise: meshes of two caissons differ in their slices.
 """
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass
 from functools import cached_property

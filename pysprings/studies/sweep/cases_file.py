@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`cases.csv` of a study: a row a case, which people read and edit; and tables of cases that people bring."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Mapping, Sequence

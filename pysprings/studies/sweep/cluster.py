@@ -5,8 +5,6 @@ Any cluster of Dask has a scheduler address or a scheduler file: SLURM (dask-job
 (dask-kubernetes), SSH.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import logging
 from collections.abc import Iterator

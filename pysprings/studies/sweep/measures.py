@@ -5,8 +5,6 @@ The grid has shares of the aim of a path (`SHARES`) and of the skirt length (`DE
 remapped such that their sum stays; what their moment about mudline loses is put into m, so that it stays, too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The cases of a study: axes of scene values, and the rows that they make."""
 
-from __future__ import annotations
-
 import hashlib
 import itertools
 import json

@@ -19,8 +19,6 @@ from = "2 m"                        # a range: count = 5; spacing = "log" by rat
 to = "8 m"
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

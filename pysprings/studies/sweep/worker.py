@@ -5,8 +5,6 @@ A case folder has `case.json` at its end: status, reason, seconds, number of the
 in place of the much longer run.json.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import shutil

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Fourier systems: residual and tangent against a plain loop, consistency, linear steps, balance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Water of Fourier systems: consistency, exact steps in elastic soil, balances, film, messages."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

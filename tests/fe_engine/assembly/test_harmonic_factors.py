@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Factors of all harmonics at once against dense solutions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

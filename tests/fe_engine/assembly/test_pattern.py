@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Equation numbers and sparsity pattern against a brute-force list of couplings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Fast assembly against a plain loop, entry by entry; global tangent; repeatability."""
 
-from __future__ import annotations
-
 import numba
 import numpy as np
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Energy: the work of the loads is found again in soil, contact and water; nothing is won."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

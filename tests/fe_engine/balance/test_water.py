@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Pore water of soil and interface against a plain loop; its tangent; what holds for every mesh."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Contact with adhesion, friction and a limited tension at one station, and a footing on it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

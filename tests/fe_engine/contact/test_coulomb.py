@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Penalty contact with friction at one station."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

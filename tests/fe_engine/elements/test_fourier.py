@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Elements in Fourier series: interpolation, strains against differences in space, rigid motions, patches, forces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

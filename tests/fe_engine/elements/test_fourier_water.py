@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Water of elements in Fourier series: patches of pressure, volumes of linear motions, seepage of linear pressures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

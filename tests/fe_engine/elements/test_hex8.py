@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Hexahedron: interpolation, B-bar operators, patch tests, no locking, no spurious modes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

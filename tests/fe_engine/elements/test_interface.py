@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Stations on faces: places, areas, normals, frames; a rotated interface gives the rotated answer."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

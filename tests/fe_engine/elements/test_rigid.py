@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rigid body: its displacement operator is the small-rotation limit of a real motion."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Solid shells: rigid motions, rank, patch tests; and linear elements beside the soil's, entry by entry."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

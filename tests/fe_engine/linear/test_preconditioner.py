@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Factors of an earlier soil with the contact of the present: how exact they are where contact alone has changed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

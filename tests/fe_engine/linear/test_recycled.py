@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Newton steps with factors of earlier tangents: the same answers, and factors that can be made again."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

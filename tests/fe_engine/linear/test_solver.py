@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Linear solvers: both backends against a dense solve, reuse of the analysis, refusals."""
 
-from __future__ import annotations
-
 import importlib.util
 import warnings
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Loops over sparse rows beside SciPy's own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.sparse import diags_array, random_array

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Anisotropic strength of clay: element tests in all modes, von Mises as its equal case, return and tangent."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

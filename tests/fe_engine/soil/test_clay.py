@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Undrained clay at one point: strengths of element tests, mobilisation, corners of Tresca's surface, and a sweep."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Linear elasticity at one point, and the choice of the law by its code."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Stiffness that follows the stress and degrades: closed forms in compression and shear, tangents, energy of loops."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

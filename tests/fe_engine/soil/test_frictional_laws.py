@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The frictional laws at one point: regimes, return, tangents, invariances, a sweep over extreme parameters."""
 
-from __future__ import annotations
-
 from types import ModuleType
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Elements in parallel at one point: backbone, Masing's rules, damping, energy, pressure, tangents, and a sweep."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

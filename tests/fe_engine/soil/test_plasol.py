@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """PLASOL at one point beside `test_frictional_laws`: apex, triaxial paths, limits, linear parts, units."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Van Eekelen's surface at one point beside `test_frictional_laws`: outside answers, meridians, small steps."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

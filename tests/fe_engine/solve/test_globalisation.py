@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What residuals and corrections say of the next step, from histories made up for it."""
 
-from __future__ import annotations
-
 import pytest
 
 from fe_engine.solve.globalisation import Course, bounds

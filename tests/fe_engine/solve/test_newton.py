@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Newton on a small footing: equilibrium, controls, order of convergence, and what a failure tells."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Size of the next increment: growth, cut-back, and the memory of sizes that failed."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Stages in increments: stops, growth, cut-back, load control and its end."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

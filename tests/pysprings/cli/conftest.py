@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Every command runs in a folder of its own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The whole command: help, version, usage."""
 
-from __future__ import annotations
-
 from typing import get_args
 
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All that `pysprings check` prints of scenes of many kinds, in the stored texts: counts, cost, ground, omissions."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

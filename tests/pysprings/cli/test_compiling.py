@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings compile`, and the compilation before the first run of a kind of scene."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

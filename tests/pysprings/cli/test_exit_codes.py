@@ -4,8 +4,6 @@
 130 by a real Ctrl-C is in test_folder.py.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

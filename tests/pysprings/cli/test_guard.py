@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Errors of commands: one line on stderr, the exit code, the traceback on request."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings

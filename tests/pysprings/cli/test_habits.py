@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Options that people expect: --set, --quiet, --log, --no-figures, --tilt, --out."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What hostile input once got through, one test each: names, titles, sizes, archives, attributes."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from pathlib import Path

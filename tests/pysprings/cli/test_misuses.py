@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What the program says to misuses: none is answered with a wrong number and without a word. The page of the docs."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

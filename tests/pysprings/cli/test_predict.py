@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`predict` on synthetic springs: options, units, refusals, marks."""
 
-from __future__ import annotations
-
 import json
 import warnings
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All that `predict` and `compare` print, with their warnings and notes, in the stored texts."""
 
-from __future__ import annotations
-
 import warnings
 from pathlib import Path
 

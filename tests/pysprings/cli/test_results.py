@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What is printed of a run, line by line, from a record that was made up."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`run`: folders, what is printed, partial and interrupted runs. Exit codes by process are in test_exit_codes.py."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

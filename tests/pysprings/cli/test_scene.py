@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`init` and `check`."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

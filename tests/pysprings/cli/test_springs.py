@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`springs` and `compare` on synthetic springs; `export` is in results/test_exporter_plugins.py."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

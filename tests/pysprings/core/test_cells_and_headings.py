@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Units of headings and numbers of European spreadsheets: what is read, and what is refused because it is in doubt."""
 
-from __future__ import annotations
-
 import pytest
 
 from pysprings.core.tables.cells import NotANumber, number, style_of

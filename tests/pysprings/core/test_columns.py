@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Columns of tables: cells in the unit of the heading, nothing that looks like a number where there is none."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

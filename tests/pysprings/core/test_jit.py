@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The macro-model in plain Python, as the command uses it for one answer: the same numbers, without Numba."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import subprocess

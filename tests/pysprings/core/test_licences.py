@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What is installed under licences that are not open, and that `--version` and THIRD-PARTY.md say so."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from importlib import metadata

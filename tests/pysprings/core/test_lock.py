@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The lock of a result folder: one run at a time, and none after its process."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

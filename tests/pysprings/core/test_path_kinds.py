@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Kinds of load path: rays keep their direction, paths from a table have no kind of their own."""
 
-from __future__ import annotations
-
 import pytest
 
 from pysprings.core.path_kinds import PATH_KINDS, bends, is_straight, kind_of

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Progress: few plain lines in a log, a bar on a terminal."""
 
-from __future__ import annotations
-
 import io
 
 from pysprings.core.errors import Problem

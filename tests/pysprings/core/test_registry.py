@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Registries: names, order, unknown names, cases of other packages."""
 
-from __future__ import annotations
-
 import importlib.metadata
 import re
 from collections.abc import Iterable

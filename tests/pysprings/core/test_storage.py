@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Files are whole or absent, come back as they were, and foreign files are refused in one line."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Tables as people bring them, in each of the five readers: read with the same numbers, or refused with their place."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Callable

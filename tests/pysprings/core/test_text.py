@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Numbers as people read them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

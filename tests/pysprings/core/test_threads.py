@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """OpenBLAS on one thread for as long as a run lasts, and as before afterwards."""
 
-from __future__ import annotations
-
 import numpy as np
 from threadpoolctl import ThreadpoolController
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Quantities: what is read, what is refused and how, and that nothing is evaluated."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

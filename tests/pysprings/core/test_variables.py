@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The table of variables: every variable of the trees stands in it, with units that a units library reads."""
 
-from __future__ import annotations
-
 import cf_xarray.units
 import pytest
 import xarray as xr

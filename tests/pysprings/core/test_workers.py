@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Worker processes: every task gets its answer, whatever becomes of the worker."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Lists of written files: what they name is found again, and nothing that lies elsewhere."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

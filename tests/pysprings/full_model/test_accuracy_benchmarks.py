@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What the benchmarks of cost and of error estimates make of their runs: ratios, exponents, coverage."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

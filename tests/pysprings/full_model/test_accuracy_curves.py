@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs on common displacements: where they are compared, and that nothing is lost or made up between the meshes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Settings of the study, the choice by target error, and the two-mesh estimate on results with a known order."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

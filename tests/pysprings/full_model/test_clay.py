@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs in undrained clay, in both discretisations: springs that balance, capacities, sand over clay, opening."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

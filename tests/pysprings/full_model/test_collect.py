@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Station forces -> rings, surfaces and totals, against a plain loop over stations with invented tractions."""
 
-from __future__ import annotations
-
 from copy import deepcopy
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Whole runs on a tiny mesh: what the result holds, what decides it, and how a run ends that cannot go on."""
 
-from __future__ import annotations
-
 import warnings
 from typing import Any
 

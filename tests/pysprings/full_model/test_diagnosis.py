@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Why a path stopped: measures with known answers, and whole paths that end for a known reason."""
 
-from __future__ import annotations
-
 import re
 from types import SimpleNamespace
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scenes in Fourier series: section, stiffness, run, balance, fields around the ring, resume, ParaView, refusals."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import cache

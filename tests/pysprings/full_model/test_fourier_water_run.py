@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Coupled and undrained scenes in Fourier series: film, balances, fields, limits of the rate, resume, forecast."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from typing import Any

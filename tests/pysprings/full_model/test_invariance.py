@@ -4,8 +4,6 @@
 Each scene is run a second time with every quantity multiplied as its dimension asks: forces F, lengths X, times T.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Paths in worker processes: the same result as in one process, whatever becomes of a worker."""
 
-from __future__ import annotations
-
 import json
 import multiprocessing
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs in soils with kinematic hardening: first loading as with the isotropic law, loops that close, springs."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

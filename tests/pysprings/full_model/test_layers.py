@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Layered ground in both discretisations: independent elastic stiffnesses, a soil cut into layers, a checked pull."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The record of a run: attempts, order of convergence, cut-backs, cost."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs that were stopped, at any step and in any way, and went on: the same result as in one go."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The measure of alternation sees a swing from station to station, and not a smooth pressure or a kink."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Slices of the skirt on levels of uneven heights: what they cover, and forces and moments that they keep."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Parts of a path that change the vertical load: V is the one given, what is imposed stays, energy balances."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Paths through localised sand with `viscous_displacement`: they reach their ends, and loads before are the same."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs with water through the tool: limits of the rate, what is written, rests, cavitation."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 

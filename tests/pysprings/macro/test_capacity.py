@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The largest known load along a load: closed forms, limit loads, ranges, largest motion; load cases at once."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

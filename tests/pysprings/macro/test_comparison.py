@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Comparison with the full model: eta of known areas, errors by path and spring set, table and JSON."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Driving the rigid body: motions, sequences, limits; tangent stiffness 3x3 and 6x6; the command that asks for them."""
 
-from __future__ import annotations
-
 import json
 import warnings
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A fan of rays: exact for a linear response, odd, continuous, marked outside; load paths it was not made from."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

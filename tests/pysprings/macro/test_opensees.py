@@ -4,8 +4,6 @@
 Licence of openseespy: free for research and internal use, so that it is a dependency of tests only.
 """
 
-from __future__ import annotations
-
 from pathlib import Path as File
 from typing import Any
 

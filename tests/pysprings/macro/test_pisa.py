@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Uncoupled families after PISA: lateral ones of a translation, moments of a rotation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

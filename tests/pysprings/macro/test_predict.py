@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rigid body on springs against closed forms, an independent root finder and the model behind the springs."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Every row by itself: no order, split, repetition or neighbour of a table changes an answer or a mark by one bit."""
 
-from __future__ import annotations
-
 from dataclasses import fields, replace
 from functools import cache
 

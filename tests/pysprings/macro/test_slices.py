@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Fewer depth slices: what is kept, what is lost, and how fast the loss falls."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

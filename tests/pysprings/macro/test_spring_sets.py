@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Spring sets as plug-ins: what each declares, and one from outside the package."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

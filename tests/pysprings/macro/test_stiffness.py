@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Stiffness at a state: tangent and secant, reference point, axes, symmetric part, and out of the plane of the load."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

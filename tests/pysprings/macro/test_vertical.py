@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Vertical springs and several vertical loads: on the path, by closed form, through the full model, in files."""
 
-from __future__ import annotations
-
 import warnings
 from functools import cache
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Aims of springs with memory: errors of a known size are found, and counted beside their limits."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import cast
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory under a vertical load that changes: relaxation, its fit, sequences, and steps."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Elements with a memory: closed forms, energy, tangents, sequences; springs made of them beside an outside law."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import cache

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory between two vertical loads or rates with rays that turn back."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

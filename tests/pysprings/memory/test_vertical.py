@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """w of springs with memory under a vertical load that changes: what the elements and the vertical springs each do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

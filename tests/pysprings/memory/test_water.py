@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The water's part of p: relaxation in closed form, springs of coupled paths, with a fan and with memory."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The stiffening by the domain: the estimate beside the engine itself, and who is warned."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Laboratory tests on one point of a layer, beside closed forms."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

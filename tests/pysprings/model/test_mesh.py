@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The mesh fills the soil around the caisson, fits together, and its interface faces look into the soil."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a scene leaves out: the model that carries it gives the same answer, and its cost is the one that is told."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

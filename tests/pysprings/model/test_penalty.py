@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Penalty stiffness: "auto" is the paper's value for its soil, its cost that of an independent solution, its limit."""
 
-from __future__ import annotations
-
 import pytest
 
 from fe_engine.contact.coulomb import KN

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What cannot fit in memory or on disk is refused before anything is built, with the figures."""
 
-from __future__ import annotations
-
 import math
 import re
 import subprocess

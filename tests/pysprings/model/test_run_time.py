@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Increments and wall time before a run: beside runs that were measured, and what they depend on."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The whole caisson in six degrees of freedom: torsion, directions, and the half model as its special case."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The elastic caisson: its mesh fits the soil's, it balances, is the rigid one where it is stiff, and turns oval."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from pathlib import Path

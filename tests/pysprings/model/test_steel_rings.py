@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The elastic caisson in Fourier series: fits the section, balances, is the rigid one where stiff, and near bricks."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import cache

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Trees in notebooks: compact HTML, pictures by name, on parts of figures."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from html.parser import HTMLParser

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All that is drawn in each picture: panels, axes, curves, marks, keys, colours and words, in the stored texts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Exporters as plug-ins: one from outside the package, through Python and the command line."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator

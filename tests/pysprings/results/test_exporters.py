@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Files for people and programs, read back with the readers those use: pandas, openpyxl, json."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """From a scene file to the folder of a run: contract files, balances, what stays of an earlier run, early ends."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

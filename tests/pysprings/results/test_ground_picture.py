@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Picture of the ground by depth: the data in its axes, and for which runs it is drawn."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

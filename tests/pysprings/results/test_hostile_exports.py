@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Texts of a spring file that would be commands in the files for other programs, run in these programs."""
 
-from __future__ import annotations
-
 import csv
 import shutil
 import subprocess

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a new run clears away, and what it must not touch."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

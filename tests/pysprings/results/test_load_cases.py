@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Tables of load cases: units, directions, partial factors, sums of loads, and every fault with its place."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

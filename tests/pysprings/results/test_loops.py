@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The picture of a path that turns back, and a whole run that makes springs with memory."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Masing's rule of exported springs: what OpenSees does, and its error on paths that turn back."""
 
-from __future__ import annotations
-
 import re
 from itertools import pairwise
 

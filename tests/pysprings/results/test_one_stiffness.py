@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """One initial stiffness: every place where a run prints or stores one holds the full model's, to 1e-12."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

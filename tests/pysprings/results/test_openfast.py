@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The OpenFAST export: labels and matrix read back by the rules of the program, and SoilDyn's own driver."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Pictures as plug-ins: some from outside the package, through a run, its folder and its report."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Figures show the dataset's numbers in the labelled units, and no unconverged step as if it were one."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The report stands alone, escapes what comes from a scene, and its checks see an error that is put in."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import hashlib

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The report in a real browser: what its scripts draw, what they complain of, and the pages that it prints on."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

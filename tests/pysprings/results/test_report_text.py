@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All that a report says of a run, line by line, in the stored texts; the numbers are tested in `test_report.py`."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """SACS PSI cards by a reader of fixed columns of its own, against the springs, and as somebody has read them."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A run touches its own files only, and an unfinished folder is not taken for a finished one."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

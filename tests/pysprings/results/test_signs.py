@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Signs of the field wherever M or a rotation is stored, printed or drawn: a pull above mudline has both positive."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

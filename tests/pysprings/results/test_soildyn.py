@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The SoilDyn library beside `predict`: called as OpenFAST calls it, on arrays of the caller."""
 
-from __future__ import annotations
-
 import shutil
 import warnings
 from pathlib import Path

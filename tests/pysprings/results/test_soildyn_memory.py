@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory in the SoilDyn library beside `predict`: along sequences that turn back, in any direction."""
 
-from __future__ import annotations
-
 import shutil
 from itertools import pairwise
 from pathlib import Path

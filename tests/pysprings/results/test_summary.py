@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The ten lines of a run: the tilt at the design load of the scene."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs from tables: what we write predicts the same when read back; users' curves; every refusal, all at once."""
 
-from __future__ import annotations
-
 import warnings
 from pathlib import Path
 

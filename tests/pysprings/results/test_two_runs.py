@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Two runs beside each other: keys that differ, numbers of both, pictures of both."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

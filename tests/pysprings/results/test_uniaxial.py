@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Uniaxial springs for other programs: their sums, their tables, and the programs themselves beside `predict`."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

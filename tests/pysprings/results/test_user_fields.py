@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Every variable of full_model.nc that is derived, against plain loops over stations, nodes and cells."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

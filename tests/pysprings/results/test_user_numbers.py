@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Every number of the tables, files and sheets that users read, against plain loops over the stations of a mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """ParaView files: read back number by number, by an XML parser and by VTK where it is installed."""
 
-from __future__ import annotations
-
 import base64
 import json
 import xml.etree.ElementTree as ET

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The workbook on paper: pages of LibreOffice, and charts that no page break cuts."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess

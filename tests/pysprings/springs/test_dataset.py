@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Spring files: round trip, refusals with a clear line each, sums that balance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

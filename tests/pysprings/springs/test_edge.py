@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Edge rings of the tip: which they are; springs on other slices carry the same load in every state."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

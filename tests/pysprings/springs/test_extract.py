@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Result -> springs: the same numbers, paths that carry springs, and the balance of a real run."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

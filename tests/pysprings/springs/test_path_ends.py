@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How paths ended is kept in the springs, and what lies beyond an end is refused by every question."""
 
-from __future__ import annotations
-
 import json
 import warnings
 

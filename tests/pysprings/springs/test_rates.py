@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs at a rate between those of the runs they come from."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

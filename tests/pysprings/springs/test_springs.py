@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`Springs`: typed attributes of a tree, what is found once, and the way back to a tree."""
 
-from __future__ import annotations
-
 import dataclasses
 import warnings
 from pathlib import Path

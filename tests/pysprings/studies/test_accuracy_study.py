@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings accuracy`: runs that are kept, table, files, presets, on invented soil with a known order; a real one."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

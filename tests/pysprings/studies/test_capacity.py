@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The capacity study: its runs, the criterion of failure, chords of the envelope, files, and a run that goes on."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

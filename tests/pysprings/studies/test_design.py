@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Load cases on the springs of a fan: each answer is that of `predict`; what is beyond them is blank and marked."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings element`: files, fits to data whose keys are known, and what is refused."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Sizing on the atlas that ships: what is just met, what steel weighs, what cannot be met."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

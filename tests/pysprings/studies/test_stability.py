@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The catalogue of stiff and extreme cases: what is in it, which endings there are, none unexplained."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scenes of the catalogues, tables, documents and pictures of the studies, line by line, in the stored texts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path as File

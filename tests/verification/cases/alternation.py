@@ -7,8 +7,6 @@ turns at every node, so that slip along the wall opens one side of the node and 
 of the circle the second cause is gone and the first remains.
 """
 
-from __future__ import annotations
-
 from dataclasses import fields
 from functools import cache
 

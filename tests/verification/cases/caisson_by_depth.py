@@ -9,8 +9,6 @@ Where G grows from 0 in proportion to depth, K_V of a short skirt depends on the
 other stiffnesses: that row is shown, and held on a finer mesh.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

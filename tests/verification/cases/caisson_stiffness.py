@@ -13,8 +13,6 @@ penalty is taken away as well. "Contact kept" is a normal penalty that is
 rigid beside the soil (1e13 N/m3); the row with 1e10 N/m3 stands beside it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

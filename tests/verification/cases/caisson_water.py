@@ -7,8 +7,6 @@ bonded to a skirt of no thickness: 3,541 MN/m under a free-head pull, from axisy
 mixed elements at nu = 0.5 exactly (axisymmetric.py beside this package gives the former).
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

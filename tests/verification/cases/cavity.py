@@ -13,8 +13,6 @@ radius a in a medium at the isotropic pressure p0 (small strains):
 The elastic strains are known from the stresses, so (r^k u)' is, and u(a) follows in closed form.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

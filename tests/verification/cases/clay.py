@@ -5,8 +5,6 @@ All elements overshoot a collapse load, in proportion to the size of the cells b
 whose cells differ by a factor of two, are shown with their limit for cells of no size, which is 2 fine - coarse.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

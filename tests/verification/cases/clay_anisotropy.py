@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Clay whose su differs by direction, on single points: strengths of the element tests (see soil.anisotropic)."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -11,8 +11,6 @@ T = 0.5 would take 1000 steps, so the figures are the limit dt -> 0 of two runs,
 size (the order 1 in dt is proven on Terzaghi's column).
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

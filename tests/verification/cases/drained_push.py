@@ -6,8 +6,6 @@ displacement, the springs that the tool stores (p, m and t by depth, tip and lid
 domain, integrated from the soil stresses by a plain loop here.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

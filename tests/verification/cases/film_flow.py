@@ -11,8 +11,6 @@ leaky channel : held at p0 at one end, closed at the other, n sides without pres
 distorted film : with the pressure held on its rim, a film of irregular faces finds a linear pressure exactly.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -11,8 +11,6 @@ closed interface with water under pressure : it takes the load off the contact, 
 (Cerfontaine et al. 2018, Eqs. 6-8, in steady state.) Flows are taken from the gradient of the pressure in the soil.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -9,8 +9,6 @@ stiffness is known (see `caisson_water`). Yielding push: slow enough it is that 
 that of undrained sand over clay, and the balance of the water holds.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

@@ -9,8 +9,6 @@ drain and soften first. With T = c t/a2 and incompressible water (Mandel 1953; C
 One quarter of the strip, of width a in x, in plane strain; its solution does not vary along z: one cell is enough.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

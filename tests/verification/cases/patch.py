@@ -8,8 +8,6 @@ interface must find it and both sides must carry t. A column under a vertical fo
 an interface than without.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

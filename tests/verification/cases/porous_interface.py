@@ -13,8 +13,6 @@ above and cot(M/2) cos(M (1 - z/H)) below have the same flow at the film and dri
 by separation of variables, as Terzaghi's series, which is the limit b -> 0.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -6,8 +6,6 @@ constant : the same pressure p held on the whole boundary, and a vertical load q
 linear : a linear pressure held on the boundary of soil that cannot move: at rest it is linear inside too.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

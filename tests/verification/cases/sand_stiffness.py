@@ -5,8 +5,6 @@ Isotropic compression from p_0: p^(1 - n) = p_0^(1 - n) + (1 - n) K_0 p_0^-n e_v
 a = 0.385/g_07, 72.2 % of G_0 g at g_07. A rectangle of compression and shear gives (G_1 - G_0) g^2/2.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

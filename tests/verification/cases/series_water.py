@@ -6,8 +6,6 @@ Column: k = 0 alone, a cylinder between smooth walls under a rigid plate, which 
 0.05 and 0.5 mm/s over the drained load, water force under the lid, and pressures at five points.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

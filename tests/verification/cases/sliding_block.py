@@ -9,8 +9,6 @@ The mover is the soil block in the first problem (the nodes of its face follow t
 faces of any orientation can be pushed in any direction) and the rigid body in the second.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -4,8 +4,6 @@
 The clamp of a solid holds the thickness, too, which Mindlin's plate does not have: 1 to 2 % at this thickness.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

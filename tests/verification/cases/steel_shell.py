@@ -5,8 +5,6 @@ The sizes are those of the paper's caisson: wall 0.1 m at a radius of 3.85 m, li
 is when it turns oval; 16 cells around its half are the `paper` preset's, 8 those of `coarse`.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

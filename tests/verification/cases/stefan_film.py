@@ -9,8 +9,6 @@ The disc is the rigid body, the bed is soil that neither moves nor takes water (
 plane z = 0 of an eighth of a ball. Twice at h = 1 mm: all of it residual aperture, or half of it opened by the pull.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -6,8 +6,6 @@ remainder beyond rounding: for them its size over that of f and its change is gi
 that is not consistent leaves a remainder of first order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

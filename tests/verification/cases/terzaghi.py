@@ -10,8 +10,6 @@ taken from the difference with the same series whose modes decay as backward Eul
 no error of time remains in it. The order in the step is taken on a mesh whose own error is 100 times less.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 

@@ -10,8 +10,6 @@ however the strain is divided into steps. Each tabulated state is therefore reac
 start; a run in many steps checks that it is the same state.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -6,8 +6,6 @@ with N = 5 on three sections. Curves are compared up to 2.5 mm. The same from fi
 20 mm and with water: `docs/evidence/accuracy.md`.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -15,8 +15,6 @@ The measure of a checkerboard: half the root mean square of a node's error less 
 along edges, over q. Errors of +e and -e in turn have the measure e/q, smooth ones nearly none.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

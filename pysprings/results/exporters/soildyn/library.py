@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The SoilDyn library: its C source, and the command that builds it with the compiler of the system."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

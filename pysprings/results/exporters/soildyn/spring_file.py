@@ -4,8 +4,6 @@
 Beside it the input files of SoilDyn, as OpenFAST 5.0.0 reads them (commit 2895884): one matrix, or points of a library.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np

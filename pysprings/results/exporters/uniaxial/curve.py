@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """One uniaxial spring as a curve, and its table with few points: nodes where the curve bends, error measured."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal

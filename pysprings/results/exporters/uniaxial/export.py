@@ -4,8 +4,6 @@
 Springs that unload and reload by Masing's rule stand beside paths of the full model that turn back.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

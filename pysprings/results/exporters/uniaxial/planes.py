@@ -9,8 +9,6 @@ k q/(1 + (|q|/d)^4)^(1/4), k >= 0, by non-negative least squares over q, the mea
 between two.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -8,8 +8,6 @@ has a sum of curves k q/(1 + (|q|/d)^4)^(1/4), k >= 0, and a straight line, in s
 non-negative least squares over the loads of the fan, relative errors, with the initial stiffness as heavy rows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 

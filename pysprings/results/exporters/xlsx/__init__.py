@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts."""
 
-from __future__ import annotations
-
 from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target
 
 

@@ -5,8 +5,6 @@ Every curve, length and matrix has a defined name, so that formulas need no cell
 screen and for formulas: they print their first rows on one page, and state it.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

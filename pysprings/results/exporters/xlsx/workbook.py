@@ -6,8 +6,6 @@ for each path, step and depth, for pivots). Data sheets hold all paths below eac
 the values; every heading has its unit and a filter.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Families of atlases, a module each. Other packages declare an entry point in the group `pysprings.atlas_families`."""
 
-from __future__ import annotations
-
 from pysprings.core.registry import Registry
 from pysprings.studies.atlas.families import clay, clay_gap, sand
 from pysprings.studies.atlas.families.base import Family

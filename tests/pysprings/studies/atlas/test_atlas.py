@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The atlas that ships: springs like those of a full model, laws of similarity, refusals, deviations."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Study files: axes, samples and tables of cases; what is wrong with them, all at once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A study from its first case to its dataset: what has run stays, and edits of cases.csv count."""
 
-from __future__ import annotations
-
 import csv
 import json
 import os
