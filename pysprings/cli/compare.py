@@ -98,7 +98,7 @@ def open_run(folder: Path, name: str) -> Run:
     """Open the result and record of the folder of a run; refuse any other folder."""
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.analysis.two_runs import Run
-    from pysprings.results.opened import open_result
+    from pysprings.results.layout import open_result
 
     record = RunRecord.read(folder) if folder.is_dir() else None
     if record is None or not (folder / "full_model.nc").exists():

@@ -75,7 +75,7 @@ def read_springs(result: Path) -> xr.DataTree:
         refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
     tree = read_tree(path)
     if "section" in tree.children and "scene_toml" in tree.attrs:
-        from pysprings.results.opened import open_result
+        from pysprings.results.layout import open_result
         from pysprings.springs.extract import extract_springs
 
         return extract_springs(open_result(path))

@@ -52,8 +52,7 @@ def size(
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
     from pysprings.studies.atlas.model import open_atlas
-    from pysprings.studies.sizing.confirm import least_confirmed
-    from pysprings.studies.sizing.search import Search, Wanted, bounds_of
+    from pysprings.studies.sizing.search import Search, Wanted, bounds_of, least_confirmed
 
     given = quantities(
         {"--tilt": (tilt, "rad", "0.25 deg"), "--D-min": (least, "m", "3 m"), "--D-max": (most, "m", "20 m")}
@@ -85,8 +84,7 @@ def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -
     from pysprings.core.errors import following
     from pysprings.results.exporters.csv import write_frame
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.sizing.confirm import candidates
-    from pysprings.studies.sizing.search import table_of
+    from pysprings.studies.sizing.search import candidates, table_of
 
     table = table_of(search.tried)
     files = [write_frame(table, out / "candidates.csv")]

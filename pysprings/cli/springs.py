@@ -120,7 +120,7 @@ def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Sour
     """Return the springs, or the full model of a folder or file; refuse a run that has not ended."""
     from pysprings.full_model.accuracy.two_mesh import missing, words
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.opened import open_result
+    from pysprings.results.layout import open_result
 
     if exporter.needs == "springs":
         source = exporters.Source(springs=springs_of(result))

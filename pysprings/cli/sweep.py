@@ -60,8 +60,8 @@ def sweep(
     from pysprings.cli.folders import refuse_no_folder
     from pysprings.core.progress import reporter
     from pysprings.studies.sweep import study as studies
-    from pysprings.studies.sweep.cluster import Place
     from pysprings.studies.sweep.study_file import read_study
+    from pysprings.studies.sweep.worker import Place
 
     if scheduler is not None and jobs is not None:
         refuse("--jobs", "the scheduler has workers of its own: give one of the two")

@@ -1,14 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""The result folder of a run: names of its files and pictures, and what a new run removes (light)."""
+"""The result folder of a run: its result, names of files and pictures, and what a new run removes (light)."""
 
+from __future__ import annotations
+
+import os
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from pysprings.core.errors import refused
 from pysprings.core.files.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.core.path_kinds import beam_order, has_free_head
+from pysprings.full_model.run_record import ATTRIBUTE, SCHEMA
 from pysprings.results.exporters import EXPORTERS
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FIGURES = "figures"  # folder of the pictures
 PARAVIEW = "paraview"  # folder of the files for ParaView: the name of that exporter
@@ -119,3 +127,26 @@ def remove_results(folder: Path) -> None:
     inside = tuple(name for name in own_folders() if name != CHECKPOINT)
     for path in [*listed(folder, inside), *(folder / name for name in (*run_files(), LOAD_CASES)), folder / LIST]:
         path.unlink(missing_ok=True)
+
+
+OTHER_SIGNS = "its moments and rotations have other signs; make it again with `pysprings run`"  # of earlier versions
+
+
+def open_result(path: str | os.PathLike[str]) -> xr.DataTree:
+    """Read the result of a full model: ``full_model.nc``, or the folder of a run that holds it.
+
+    Raises
+    ------
+    UserInputError
+        The file is missing, broken, or no result of a full model.
+    """
+    from pysprings.core.files.storage import read_tree
+
+    file = Path(path)
+    file = file / "full_model.nc" if file.is_dir() else file
+    tree = read_tree(file)
+    if tree.attrs.get("schema") != SCHEMA:
+        if ATTRIBUTE not in tree.attrs:
+            raise refused(None, "is no result of a full model (springs: open_springs)", file)
+        raise refused("schema", f"a result of another version, not {SCHEMA}: {OTHER_SIGNS}", file)
+    return tree

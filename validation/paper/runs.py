@@ -77,7 +77,7 @@ def forget(out: Path, cases: Sequence[Case] = CASES) -> None:
 
 def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, Run]:
     """Read the runs below a folder that belong to this mesh and version and have a converged step, by name."""
-    from pysprings.results.opened import open_result
+    from pysprings.results.layout import open_result
     from pysprings.springs.path import paths_of
 
     runs = {}

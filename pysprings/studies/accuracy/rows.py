@@ -33,7 +33,7 @@ from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro import slices
 from pysprings.macro.comparison import curves
 from pysprings.macro.model import spring_sets
-from pysprings.results.opened import open_result
+from pysprings.results.layout import open_result
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.accuracy.picture import front

@@ -16,9 +16,9 @@ from pysprings.core.progress import Progress
 from pysprings.core.version import __version__
 from pysprings.macro.fan_springs import BAND
 from pysprings.studies.atlas import check
+from pysprings.studies.atlas.between import Process, filled, fit
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.atlas.model import Atlas, sums
-from pysprings.studies.atlas.process import Process, filled, fit
 from pysprings.studies.atlas.samples import Samples, read_samples
 from pysprings.studies.sweep.dataset import open_study
 

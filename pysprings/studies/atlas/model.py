@@ -21,8 +21,8 @@ from pysprings.core.units import quoted
 from pysprings.core.version import __version__
 from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
+from pysprings.studies.atlas.between import Process
 from pysprings.studies.atlas.families import FAMILIES, Family
-from pysprings.studies.atlas.process import Process
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, stiffness_of
 
 if TYPE_CHECKING:

@@ -23,9 +23,8 @@ from pysprings.results.plots.style import STYLE
 from pysprings.results.sheets import write_sheet
 from pysprings.scene.fields import suggestion
 from pysprings.studies.sweep import measures
-from pysprings.studies.sweep.cases_file import DONE, SHORT
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
-from pysprings.studies.sweep.plan import Axis, Case, split
+from pysprings.studies.sweep.plan import DONE, SHORT, Axis, Case, split
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -22,10 +22,33 @@ from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.progress import duration
-from pysprings.studies.sweep import cases_file, cluster
-from pysprings.studies.sweep.cases_file import STOPPED, State
-from pysprings.studies.sweep.plan import Case, Plan
-from pysprings.studies.sweep.worker import ENDED, FOLDER, SIGN, Answer, Ended, Task, read_ended, run_case, unpack
+from pysprings.studies.sweep.plan import (
+    CASES,
+    SKIP,
+    STOPPED,
+    WAITING,
+    Case,
+    Plan,
+    State,
+    is_skipped,
+    read_cases,
+    wants_again,
+    write_cases,
+)
+from pysprings.studies.sweep.worker import (
+    ENDED,
+    FOLDER,
+    SIGN,
+    Answer,
+    Ended,
+    Place,
+    Task,
+    client_of,
+    dashboard,
+    read_ended,
+    run_case,
+    unpack,
+)
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
@@ -71,13 +94,13 @@ class Study:
         """Write cases.csv, unless it was written a moment ago."""
         now = time.monotonic()
         if force or now - self._written > max(_LEAST_PAUSE, self._cost / _WRITE_SHARE):
-            cases_file.write_cases(self.out, self.plan, self.states)
+            write_cases(self.out, self.plan, self.states)
             self._written = time.monotonic()
             self._cost = self._written - now
 
 
 def sweep(
-    plan: Plan, out: Path, place: cluster.Place, progress: Progress, say: Callable[[str], object] = lambda _: None,
+    plan: Plan, out: Path, place: Place, progress: Progress, say: Callable[[str], object] = lambda _: None,
     again: bool = False,
 ) -> Study:  # fmt: skip
     """Run the cases of a plan that have not ended; return the study.
@@ -113,7 +136,7 @@ def planned(plan: Plan, out: Path, again: bool = False) -> Study:
         return study
 
 
-_OPEN = (cases_file.WAITING, STOPPED)
+_OPEN = (WAITING, STOPPED)
 
 
 def _opened(plan: Plan, out: Path, again: bool) -> Study:
@@ -121,13 +144,13 @@ def _opened(plan: Plan, out: Path, again: bool) -> Study:
     asked: dict[int, str] = {}
     stamp = out / STUDY
     known = _stamp(stamp)
-    if known is not None and (out / cases_file.FILE).exists():
+    if known is not None and (out / CASES).exists():
         if known != plan.digest and not again:
             text = "the study has changed since cases.csv was made; --again makes it anew (what has run stays)"
             raise refused("--out", text, out)
         if known == plan.digest:
             digest = plan.digest
-            plan, asked = cases_file.read_cases(out, plan)
+            plan, asked = read_cases(out, plan)
             known = digest
     names = plan.hashes()
     if known is None or not asked:
@@ -148,9 +171,9 @@ def _stamp(file: Path) -> str | None:
 def _state(study: Study, case: Case, asked: str) -> State:
     """Return how a case stands by its folder and by what a person asked for."""
     folder = study.folder(case.number)
-    if cases_file.is_skipped(asked):
-        return State(cases_file.SKIP, hash=folder.name)
-    if cases_file.wants_again(asked):
+    if is_skipped(asked):
+        return State(SKIP, hash=folder.name)
+    if wants_again(asked):
         (folder / ENDED).unlink(missing_ok=True)
         return State(hash=folder.name)
     ended = read_ended(folder)
@@ -159,16 +182,14 @@ def _state(study: Study, case: Case, asked: str) -> State:
     return State(ended.status, ended.reason, ended.seconds, folder.name)
 
 
-def _run(
-    study: Study, waiting: list[Case], place: cluster.Place, progress: Progress, say: Callable[[str], object]
-) -> None:
+def _run(study: Study, waiting: list[Case], place: Place, progress: Progress, say: Callable[[str], object]) -> None:
     """Have the workers run cases; each scene once."""
     sign = secrets.token_hex(16)
     write_text(sign, study.out / SIGN)
     first = {study.hashes[case.number]: case for case in reversed(waiting)}
     order = sorted(first.values(), key=lambda case: case.number)
     try:
-        with cluster.client_of(place) as client:
+        with client_of(place) as client:
             say(_place(client))
             _follow(study, order, sign, client, progress)
     finally:
@@ -179,7 +200,7 @@ def _run(
 
 def _place(client: Any) -> str:
     workers = len(client.scheduler_info(n_workers=-1)["workers"])
-    return f"{workers} worker{'s' if workers != 1 else ''} at {client.scheduler.address}; {cluster.dashboard(client)}"
+    return f"{workers} worker{'s' if workers != 1 else ''} at {client.scheduler.address}; {dashboard(client)}"
 
 
 def _follow(study: Study, order: list[Case], sign: str, client: Any, progress: Progress) -> None:

@@ -35,8 +35,7 @@ from pysprings.scene.load import SceneText, read_text, toml_of
 from pysprings.scene.positions import KeyPath, nearest
 from pysprings.scene.sections import Section
 from pysprings.studies.sweep import plan as plans
-from pysprings.studies.sweep.cases_file import read_table
-from pysprings.studies.sweep.plan import Axis, Keep, Plan
+from pysprings.studies.sweep.plan import Axis, Keep, Plan, read_table
 
 MOST_CASES = 1_000_000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")

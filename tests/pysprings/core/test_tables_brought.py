@@ -17,7 +17,7 @@ from pysprings.results.tables import open_table
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.scene.profile_table import read_layers
-from pysprings.studies.sweep.cases_file import read_table
+from pysprings.studies.sweep.plan import read_table
 
 Rows = list[list[Any]]
 

@@ -15,7 +15,7 @@ from pysprings import plots
 from pysprings.core.errors import UserInputError
 from pysprings.core.files.storage import write_tree
 from pysprings.results.accessor import Accessor
-from pysprings.results.opened import open_result
+from pysprings.results.layout import open_result
 from pysprings.results.plots.draw import drawable
 from tests.support import synthetic, tiny
 

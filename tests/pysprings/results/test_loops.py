@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pysprings.macro.comparison import curves
-from pysprings.results.plots.loops import PICTURE
+from pysprings.results.plots.comparison import PICTURE
 from pysprings.results.plots.picture import View
 from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs

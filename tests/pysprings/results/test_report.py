@@ -24,9 +24,8 @@ from pysprings.results import axes
 from pysprings.results.report import inputs, solution, validity
 from pysprings.results.report import page as report
 from pysprings.results.report.inputs import ReportData, ReportTable
-from pysprings.results.report.live import live_parts
 from pysprings.results.report.load_cases import spring_tables
-from pysprings.results.report.page import REPORT_TABLES
+from pysprings.results.report.page import REPORT_TABLES, live_parts
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.tip_zone import on_slices

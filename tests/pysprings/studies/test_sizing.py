@@ -14,9 +14,19 @@ from pysprings.core.errors import RunIncomplete, UserInputError
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.scene.changes import read_changes
 from pysprings.studies.atlas.model import Atlas
-from pysprings.studies.sizing import confirm
-from pysprings.studies.sizing.confirm import correction_of
-from pysprings.studies.sizing.search import EDGE, Candidate, Search, Wanted, answered, bounds_of, mass_of, scenes_of
+from pysprings.studies.sizing import search as sizing
+from pysprings.studies.sizing.search import (
+    EDGE,
+    Candidate,
+    Search,
+    Wanted,
+    answered,
+    bounds_of,
+    correction_of,
+    least_confirmed,
+    mass_of,
+    scenes_of,
+)
 
 
 @pytest.fixture(scope="module")
@@ -72,8 +82,8 @@ def turned(factor: float) -> Callable[..., pd.DataFrame]:
 
 @pytest.mark.slow
 def test_what_is_returned_is_what_the_full_model_confirms(search, monkeypatch):
-    monkeypatch.setattr(confirm, "confirmed", turned(1.2))
-    best, checked = confirm.least_confirmed(search)
+    monkeypatch.setattr(sizing, "confirmed", turned(1.2))
+    best, checked = least_confirmed(search)
     assert search.correction == pytest.approx(1.2) and (checked["tilt_used"] <= 1.0).all()
     own = answered(search.atlas, search.wanted, best.D, best.L)["rotation"]
     assert checked["rotation_atlas_rad"].tolist() == own.tolist()
@@ -81,9 +91,9 @@ def test_what_is_returned_is_what_the_full_model_confirms(search, monkeypatch):
 
 @pytest.mark.slow
 def test_what_the_full_model_never_confirms_is_no_result(search, monkeypatch):
-    monkeypatch.setattr(confirm, "confirmed", turned(np.nan))
+    monkeypatch.setattr(sizing, "confirmed", turned(np.nan))
     with pytest.raises(RunIncomplete, match=r"not confirmed: after 3 corrections .* 'extreme' at not reached"):
-        confirm.least_confirmed(search)
+        least_confirmed(search)
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,7 @@ from pysprings.scene.changes import read_changes
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
-from pysprings.studies.atlas.between import between
-from pysprings.studies.atlas.process import Process, filled
+from pysprings.studies.atlas.between import Process, between, filled
 from tests.support.commands import command
 
 

@@ -20,9 +20,9 @@ from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
-from pysprings.studies.sweep.cases_file import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.dataset import draw, table_of, write_table
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, remap
+from pysprings.studies.sweep.plan import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
 
