@@ -18,7 +18,6 @@ from pysprings.full_model.run_record import ATTRIBUTE, RunRecord
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
 
@@ -143,10 +142,6 @@ def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | N
 
 
 MM, DEG = 1e3, 180.0 / np.pi  # from SI to the units of the texts
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,6 @@ from pysprings.results.plots.style import (
 from pysprings.springs.tip_zone import edge_rings
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray

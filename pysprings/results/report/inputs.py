@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from pysprings.full_model.run_record import PathFigures, RunRecord
+    from pysprings.full_model.run_record import PathFigures
 
 # Parts of the page in their order; "path" is repeated for each path.
 Section = Literal[

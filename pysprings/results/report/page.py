@@ -45,7 +45,6 @@ from pysprings.springs.tip_zone import edge_rings
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
 MOST_STEPS = 25  # of a path that the sliders show
 MOST_PATHS = 24

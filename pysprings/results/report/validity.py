@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from pysprings.full_model.run_record import PathFigures, RunRecord
+    from pysprings.full_model.run_record import PathFigures
 
 
 def equilibrium_table(tree: xr.DataTree) -> Table:

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Samples of a study -> an atlas: principal components, a Gaussian process each, and the check by leaving cases out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -21,9 +18,6 @@ from pysprings.studies.atlas.families import Family
 from pysprings.studies.atlas.model import Atlas, sums
 from pysprings.studies.atlas.samples import Samples, read_samples
 from pysprings.studies.sweep.dataset import open_study
-
-if TYPE_CHECKING:
-    from pysprings.studies.atlas.samples import Samples
 
 Array = NDArray[np.float64]
 COMPONENTS = 12

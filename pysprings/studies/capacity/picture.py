@@ -20,7 +20,6 @@ from pysprings.studies.capacity.plan import CHARACTERISTIC
 from pysprings.studies.capacity.points import closed
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 

@@ -30,7 +30,6 @@ from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, r
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
-    from pysprings.scene.model import Scene
 
 CHARACTERISTIC, DESIGN = "characteristic", "design"
 FEWEST, MOST = 2, 72

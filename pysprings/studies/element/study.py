@@ -23,7 +23,6 @@ from pysprings.studies.element.fit import Fit, fit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pysprings.model.element import Curve
     from pysprings.scene.ground import Stratum
 
 # column -> its axis, and the factor to the unit there

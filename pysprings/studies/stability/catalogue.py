@@ -25,7 +25,6 @@ from pysprings.results.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION,
 from pysprings.studies.stability.cases import CASES, REACH, Case
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
