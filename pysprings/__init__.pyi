@@ -12,7 +12,7 @@ from .macro.predict import sequence as sequence
 from .macro.stiffness import stiffness as stiffness
 from .macro.stiffness import stiffness_six as stiffness_six
 from .results import plots as plots
-from .results.opened import open_result as open_result
+from .results.layout import open_result as open_result
 from .results.tables import open_table as open_table
 from .scene.load import Scene as Scene
 from .scene.load import load_scene as load_scene

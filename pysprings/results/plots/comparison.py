@@ -48,6 +48,7 @@ LOOKS = {
     "py": (VERMILLION, "--", "s"),
     "memory": (PURPLE, "-", "v"),
 }
+FULL_NAME = "full model (3D finite elements)"
 SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
 
 
@@ -107,9 +108,11 @@ def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Da
         axes.plot(u[shown] * MM, error, markevery=max(1, shown.sum() // 12), **_line_style(kind))
     axes.set_yscale("symlog", linthresh=10.0)
     axes.axhline(0.0, color=INK, linewidth=2.6)
-    axes.set_xlabel("lateral displacement u of the full model [mm]")
-    axes.set_ylabel("error of u [%] (linear to 10 %)")
-    axes.set_title("Displacement at equal load")
+    axes.set(
+        xlabel="lateral displacement u of the full model [mm]",
+        ylabel="error of u [%] (linear to 10 %)",
+        title="Displacement at equal load",
+    )
 
 
 def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> None:
@@ -124,9 +127,7 @@ def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) 
         low, high = np.percentile(known, [5, 95])
         room = max(high - low, 0.5 * abs(high), 1e-3)
         axes.set_ylim(high + room, low - room)
-    axes.set_xlabel("lateral displacement u of the lid [mm]")
-    axes.set_ylabel("depth [m]")
-    axes.set_title("Point of rotation")
+    axes.set(xlabel="lateral displacement u of the lid [mm]", ylabel="depth [m]", title="Point of rotation")
 
 
 def _point(data: xr.Dataset) -> np.ndarray:
@@ -138,33 +139,14 @@ def _point(data: xr.Dataset) -> np.ndarray:
 
 def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver: str, name: str, scale: float) -> None:
     drive = MRAD if driver == "rotation" else MM
-    plot_path(
-        axes,
-        full[driver].values * drive,
-        full[name].values * scale,
-        converged(full),
-        color=INK,
-        linewidth=2.6,
-        label="full model (3D finite elements)",
-    )
-    flags = [converged(full)]
+    looks: list[tuple[xr.Dataset, dict[str, Any]]] = [(full, {"color": INK, "linewidth": 2.6, "label": FULL_NAME})]
     for kind, curve in curves.items():
-        colour, dash, marker = LOOKS.get(kind, (GREEN, "-.", "^"))
-        good = converged(curve)
-        flags.append(good)
-        plot_path(
-            axes,
-            curve[driver].values * drive,
-            curve[name].values * scale,
-            good,
-            color=colour,
-            linestyle=dash,
-            marker=marker,
-            markersize=4.5,
-            markevery=max(1, good.size // 12),
-            label=f"macro-model, {SPRING_SETS[kind].label}" if kind in SPRING_SETS else kind,
-        )
-    note_unconverged(axes, np.concatenate(flags))
+        label = f"macro-model, {SPRING_SETS[kind].label}" if kind in SPRING_SETS else kind
+        every = max(1, curve.sizes["step"] // 12)
+        looks.append((curve, {**_line_style(kind), "markevery": every, "label": label}))
+    for data, look in looks:
+        plot_path(axes, data[driver].values * drive, data[name].values * scale, converged(data), **look)
+    note_unconverged(axes, np.concatenate([converged(data) for data, _ in looks]))
 
 
 PICTURE = Picture(
@@ -201,7 +183,7 @@ def memory_loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
         for name, answer in answers.items():
             colour, dash, _ = LOOKS[name]
             values = answer[x].values * scale, answer[y].values * factor
-            panel.plot(*values, color=colour, linestyle=dash, label=_label(name))
+            panel.plot(*values, color=colour, linestyle=dash, label=SPRING_SETS[name].label)
         panel.set(xlabel=label, ylabel=f"{y} [{unit} m]" if y == "M" else f"{y} [{unit}]")
         zero_lines(panel)
     axes[0, 0].legend(loc="best", fontsize=8)
@@ -223,22 +205,14 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
     ends = np.concatenate([[0.0], table["x_end_full"]])
     amplitude = 0.5 * np.abs(np.diff(ends)) * MM
     colour, _, marker = LOOKS[name]
-    secants = table["secant_full"].abs().max()
-    factor, unit = unit_text(np.array([secants]))
-    _points(panels[0], amplitude, table["secant_full"].to_numpy() * factor, INK, "o", FULL)
-    _points(panels[0], amplitude, table["secant_macro"].to_numpy() * factor, colour, marker, _label(name))
-    panels[0].set(xlabel="amplitude of u [mm]", ylabel=f"secant stiffness dH/du [{unit}/m]", ylim=(0, None))
-    _points(panels[1], amplitude, table["damping_full"].to_numpy(), INK, "o", FULL)
-    _points(panels[1], amplitude, table["damping_macro"].to_numpy(), colour, marker, _label(name))
-    panels[1].set(xlabel="amplitude of u [mm]", ylabel="damping ratio of the cycle", ylim=(0, None))
-
-
-def _points(axes: Axes, x: np.ndarray, y: np.ndarray, colour: str, marker: str, label: str) -> None:
-    axes.plot(x, y, linestyle="none", marker=marker, markersize=6, fillstyle="none", color=colour, label=label)
-
-
-def _label(name: str) -> str:
-    return SPRING_SETS[name].label
+    factor, unit = unit_text(table["secant_full"].to_numpy())
+    rows = (("secant", factor, f"secant stiffness dH/du [{unit}/m]"), ("damping", 1.0, "damping ratio of the cycle"))
+    for panel, (what, scale, words) in zip(panels, rows, strict=True):
+        for whose, look in (("full", (INK, "o", FULL)), ("macro", (colour, marker, SPRING_SETS[name].label))):
+            looks = dict(zip(("color", "marker", "label"), look, strict=True))
+            values = table[f"{what}_{whose}"].to_numpy() * scale
+            panel.plot(amplitude, values, linestyle="none", markersize=6, fillstyle="none", **looks)
+        panel.set(xlabel="amplitude of u [mm]", ylabel=words, ylim=(0, None))
 
 
 LOOPS = Picture(

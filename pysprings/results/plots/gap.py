@@ -91,13 +91,16 @@ def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normal
     )
     axes.set_facecolor(PALE)
     drawn = axes.pcolormesh(*edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=GAP_COLOURS, gid=f"gap {side}")
-    axes.set_xlim(0, 180)
-    axes.set_ylim(edges[1][-1], 0)
-    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
-    axes.set_xlabel("azimuth [deg]")
-    axes.set_ylabel("depth below mudline [m]")
+    _around(axes)
+    axes.set(ylim=(edges[1][-1], 0), ylabel="depth below mudline [m]")
     axes.grid(False)
     _bar(axes, drawn, gap)
+
+
+def _around(axes: Axes) -> None:
+    """Give a panel the azimuth of the half model as its axis."""
+    axes.set(xlim=(0, 180), xlabel="azimuth [deg]")
+    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
 
 
 def nearest_station_image(
@@ -136,10 +139,7 @@ def _draw_lid(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         gid="gap lid",
     )
     axes.plot(np.r_[x, x], np.r_[y, -y], linestyle="none", marker=".", markersize=1.5, color=GREY, zorder=3)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x [m], front on the right")
-    axes.set_ylabel("y [m]")
-    axes.set_title(opening.text())
+    axes.set(aspect="equal", xlabel="x [m], front on the right", ylabel="y [m]", title=opening.text())
     axes.grid(False)
     _bar(axes, drawn, gap)
 
@@ -163,12 +163,8 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         zorder=3,
         clip_on=False,
     )
-    axes.set_xlim(0, 180)
-    axes.set_ylim(0, 1.08 * opening.width * MM if opening.width > 0 else 1)
-    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
-    axes.set_xlabel("azimuth [deg]")
-    axes.set_ylabel("gap [mm]")
-    axes.set_title(opening.text())
+    _around(axes)
+    axes.set(ylim=(0, 1.08 * opening.width * MM or 1), ylabel="gap [mm]", title=opening.text())
     if several:
         axes.figure.colorbar(drawn, ax=axes, label="radius of the point [m]", pad=0.02)
 
@@ -211,13 +207,11 @@ def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float |
     left, right = figure.subplots(1, 2, sharey=True)
     left.plot(state["diameter_change_x"] * MM, depth, "-o", color=VERMILLION, label="in the loading direction, x")
     left.plot(state["diameter_change_y"] * MM, depth, "--s", color=BLUE, label="across it, y")
-    left.set_xlabel("change of diameter [mm], growth +")
-    left.set_title("Ovalisation of the skirt")
+    left.set(xlabel="change of diameter [mm], growth +", title="Ovalisation of the skirt")
     rigid = float(state["u"]) - float(state["rotation"]) * depth
     right.plot(state["y"] * MM, depth, "-o", color=INK, label="mean fibre of the skirt")
     right.plot(rigid * MM, depth, ":", color=INK, label="rigid motion of the lid's centre")
-    right.set_xlabel("lateral displacement [mm], towards +x")
-    right.set_title("Where the sections are")
+    right.set(xlabel="lateral displacement [mm], towards +x", title="Where the sections are")
     left.set_ylabel("depth below mudline [m]")
     # room for the keys above mudline
     left.set_ylim(1.04 * depth[-1], -0.25 * depth[-1])

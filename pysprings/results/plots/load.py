@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike, NDArray
 
 SURFACES = {"outer": "skirt outside", "inner": "skirt inside", "lid": "lid", "tip": "tip"}
 
@@ -54,7 +53,9 @@ def load_displacement(path: xr.Dataset) -> Figure:
     """
     figure = new_figure(9.6, 7.0)
     axes = figure.subplots(2, 2)
-    _components(axes[0, 0], path)
+    what = {"H": "Horizontal load", "M": "Moment about the lid centre"}
+    letter = "M" if driven(path.attrs) == "rotation" else "H"
+    _by_surface(axes[0, 0], path, letter, what[letter])
     _vertical_forces(axes[0, 1], path)
     _rotation(axes[1, 0], path)
     _heave(axes[1, 1], path)
@@ -70,63 +71,52 @@ def load_displacement(path: xr.Dataset) -> Figure:
     return figure
 
 
-def _components(axes: Axes, path: xr.Dataset) -> None:
-    letter, unit_end = ("M", " m") if driven(path.attrs) == "rotation" else ("H", "")
-    good, (x, _) = converged(path), abscissa(path)
+# change of a vertical force from the start -> meaning, colour, line
+_FORCES = {
+    "F_in": ("shear inside", ORANGE, "-"),
+    "F_out": ("shear outside", BLUE, "-"),
+    "F_pw": ("water under the lid", SKY, "--"),
+}
+
+
+def _curve(axes: Axes, path: xr.Dataset, name: str, factor: float, **line: Any) -> None:
+    """Draw a variable of the path over what drives it."""
+    plot_path(axes, abscissa(path)[0], path[name].values * factor, converged(path), **line)
+
+
+def _by_surface(axes: Axes, path: xr.Dataset, letter: str, title: str, sense: str = "") -> None:
+    """Draw H, V or M of the whole caisson, and what each surface carries of it."""
     factor, unit = unit_text(path[letter].values)
-    plot_path(axes, x, path[letter].values * factor, good, color=INK, linewidth=2.4, label=f"total {letter}")
+    _curve(axes, path, letter, factor, color=INK, linewidth=2.4, label=f"total {letter}")
     for surface, name in SURFACES.items():
-        variable = f"{letter}_{surface}"
-        if variable in path:
-            plot_path(axes, x, path[variable].values * factor, good, color=SURFACE_COLOURS[surface], label=name)
-    axes.set_ylabel(f"{letter} [{unit}{unit_end}]")
-    what = "Moment about the lid centre" if letter == "M" else "Horizontal load"
-    axes.set_title(f"{what} and the surfaces that carry it")
+        if f"{letter}_{surface}" in path:
+            _curve(axes, path, f"{letter}_{surface}", factor, color=SURFACE_COLOURS[surface], label=name)
+    unit = f"{unit} m" if letter == "M" else unit
+    axes.set(ylabel=f"{letter} [{unit}]{sense}", title=f"{title} and the surfaces that carry it")
 
 
 def _vertical_forces(axes: Axes, path: xr.Dataset) -> None:
-    good, (x, _) = converged(path), abscissa(path)
-    names = [name for name in ("F_in", "F_out", "F_pw") if name in path]
+    names = [name for name in _FORCES if name in path]
     factor, unit = unit_text(np.stack([path[name].values for name in names]))
-    meaning = {"F_in": "shear inside", "F_out": "shear outside", "F_pw": "water under the lid"}
-    look = {"F_in": (ORANGE, "-"), "F_out": (BLUE, "-"), "F_pw": (SKY, "--")}
     for name in names:
-        colour, dash = look[name]
-        plot_path(
-            axes,
-            x,
-            path[name].values * factor,
-            good,
-            color=colour,
-            linestyle=dash,
-            label=rf"$\Delta F_{{{name[2:]}}}$, {meaning[name]}",
-        )
-    axes.set_ylabel(f"change of force [{unit}]")
-    axes.set_title("Vertical forces on the soil, down +, change from the start")
+        words, colour, dash = _FORCES[name]
+        label = rf"$\Delta F_{{{name[2:]}}}$, {words}"
+        _curve(axes, path, name, factor, color=colour, linestyle=dash, label=label)
+    axes.set(ylabel=f"change of force [{unit}]", title="Vertical forces on the soil, down +, change from the start")
 
 
 def _rotation(axes: Axes, path: xr.Dataset) -> None:
-    good, (x, _) = converged(path), abscissa(path)
-    plot_path(axes, x, path["rotation"].values * MRAD, good, color=VERMILLION)
-    axes.set_ylabel("rotation [mrad]")
-    degrees = axes.secondary_yaxis("right", functions=(_degrees, _milliradians))
+    _curve(axes, path, "rotation", MRAD, color=VERMILLION)
+    axes.set(ylabel="rotation [mrad]", title="Rotation (positive leans towards +x)")
+    ratio = DEG / MRAD
+    both = (lambda mrad: np.multiply(mrad, ratio), lambda degrees: np.divide(degrees, ratio))
+    degrees = axes.secondary_yaxis("right", functions=both)
     degrees.set_ylabel("rotation [deg]")
-    axes.set_title("Rotation (positive leans towards +x)")
-
-
-def _degrees(mrad: ArrayLike) -> NDArray[np.float64]:
-    return np.asarray(mrad) * (DEG / MRAD)
-
-
-def _milliradians(degrees: ArrayLike) -> NDArray[np.float64]:
-    return np.asarray(degrees) * (MRAD / DEG)
 
 
 def _heave(axes: Axes, path: xr.Dataset) -> None:
-    good, (x, _) = converged(path), abscissa(path)
-    plot_path(axes, x, -path["w"].values * MM, good, color=GREEN)
-    axes.set_ylabel("heave \N{MINUS SIGN}w [mm], up +")
-    axes.set_title("Heave of the lid centre")
+    _curve(axes, path, "w", -MM, color=GREEN)
+    axes.set(ylabel="heave \N{MINUS SIGN}w [mm], up +", title="Heave of the lid centre")
 
 
 def _status(path: xr.Dataset) -> str:
@@ -158,15 +148,7 @@ def vertical_springs(path: xr.Dataset) -> Figure:
     figure = new_figure(9.6, 4.8)
     left, right = figure.subplots(1, 2)
     x, label = abscissa(path)
-    good = converged(path)
-    factor, unit = unit_text(path["V"].values)
-    plot_path(left, x, path["V"].values * factor, good, color=INK, linewidth=2.4, label="total V")
-    for surface, name in SURFACES.items():
-        if f"V_{surface}" in path:
-            values = path[f"V_{surface}"].values * factor
-            plot_path(left, x, values, good, color=SURFACE_COLOURS[surface], label=name)
-    left.set_ylabel(f"V [{unit}], down +")
-    left.set_title("Vertical load and the surfaces that carry it")
+    _by_surface(left, path, "V", "Vertical load", ", down +")
     _reactions(right, path, x)
     for axes in (left, right):
         axes.set_xlabel(label)
@@ -186,8 +168,7 @@ def _reactions(axes: Axes, path: xr.Dataset, x: np.ndarray) -> None:
         label = f"{float(path['depth'][ring]):.2f} m"
         plot_path(axes, x, t[ring], good, color=colour, linewidth=1.7, label=label)
     note_unconverged(axes, good)
-    axes.set_ylabel("reaction t [kN/m], both sides")
-    axes.set_title("Vertical reaction by depth")
+    axes.set(ylabel="reaction t [kN/m], both sides", title="Vertical reaction by depth")
 
 
 VERTICAL = Picture(

@@ -62,8 +62,9 @@ def _bars(axes: Axes, tries: list[Attempt]) -> None:
             gid="accepted" if each.accepted else "cut back",
         )
         height[each.step] = base + each.iterations
-    axes.set_xlabel("increment (0 and below: dead load)" if min(height, default=1) < 1 else "increment")
-    axes.set_ylabel("iterations")
+    axes.set(
+        xlabel="increment (0 and below: dead load)" if min(height, default=1) < 1 else "increment", ylabel="iterations"
+    )
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_title("Iterations by increment")
@@ -105,9 +106,11 @@ def _residuals(axes: Axes, record: xr.Dataset, tries: list[Attempt]) -> None:
     if "tolerance" in record.attrs:
         axes.axhline(float(record.attrs["tolerance"]), color=GREEN, linestyle="--", linewidth=1.4)
         handles.append(Line2D([], [], color=GREEN, linestyle="--", label=f"tolerance {record.attrs['tolerance']:g}"))
-    axes.set_xlabel("iteration, counted over the whole path")
-    axes.set_ylabel("relative residual [-]")
-    axes.set_title("Residual at every iteration")
+    axes.set(
+        xlabel="iteration, counted over the whole path",
+        ylabel="relative residual [-]",
+        title="Residual at every iteration",
+    )
     axes.legend(handles=handles, loc="upper right", ncols=3)
     low, high = np.nanmin(shown, initial=1e-8), np.nanmax(shown, initial=1.0)
     axes.set_ylim(low / 3, high * 100)

@@ -91,9 +91,7 @@ def draw_py(axes: Axes, path: xr.Dataset, depths: Iterable[float] | None = None,
     within = [ring for ring in rings if not edge[ring]]
     limits_without_edge(axes, p[within] * KN, "y")
     note_unconverged(axes, good)
-    axes.set_xlabel("displacement y of the mean fibre [mm]")
-    axes.set_ylabel("reaction p [kN/m]")
-    axes.set_title(PANELS[side])
+    axes.set(xlabel="displacement y of the mean fibre [mm]", ylabel="reaction p [kN/m]", title=PANELS[side])
 
 
 PY = Picture(

@@ -231,8 +231,7 @@ def _label_axes(axes: Axes) -> None:
     axes.set_aspect("equal")
     if not axes.yaxis_inverted():
         axes.invert_yaxis()
-    axes.set_xlabel("x, loading direction [m]")
-    axes.set_ylabel("depth below mudline [m]")
+    axes.set(xlabel="x, loading direction [m]", ylabel="depth below mudline [m]")
 
 
 def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None) -> None:

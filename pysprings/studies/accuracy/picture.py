@@ -65,8 +65,7 @@ def error_against_time(table: pd.DataFrame, title: str, targets: Collection[floa
         shown = table[(table["model"] == model) & (table["status"] == "complete")]
         shown = shown[shown[column].notna()]
         _panel(axes, shown.assign(time=factor * shown["wall_s"].astype(float)), column, targets)
-        axes.set_title(words)
-        axes.set_xlabel(label)
+        axes.set(title=words, xlabel=label)
     every[0].set_ylabel("error beside the reference [% of the largest]")
     every[0].yaxis.set_major_formatter("{x:g}")
     known = {text: handle for axes in every for handle, text in zip(*axes.get_legend_handles_labels(), strict=True)}
@@ -76,8 +75,7 @@ def error_against_time(table: pd.DataFrame, title: str, targets: Collection[floa
 
 
 def _panel(axes: Axes, shown: pd.DataFrame, column: str, targets: Collection[float]) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     for group, (mark, colour) in MARKS.items():
         part = shown[shown["group"] == group]
         if group in KINDS:

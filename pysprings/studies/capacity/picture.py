@@ -44,9 +44,7 @@ def envelopes(table: pd.DataFrame, scene: Scene, cases: pd.DataFrame | None = No
             _envelope(axes, part, str(strength))
         if cases is not None:
             _cases(axes, cases[cases["V_of_envelope_N"] == load].drop_duplicates("name"))
-        axes.set_title(f"V = {MN * load:.3g} MN")
-        axes.set_xlabel("H [MN]")
-        axes.set_ylabel("M about the lid centre at mudline [MN m]")
+        axes.set(title=f"V = {MN * load:.3g} MN", xlabel="H [MN]", ylabel="M about the lid centre at mudline [MN m]")
         zero_lines(axes)
         axes.legend(loc="upper left")
     figure.suptitle(plain(f"Capacity: {scene.title}"))

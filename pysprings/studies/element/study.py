@@ -55,8 +55,7 @@ def element_picture(
                 every = slice(None, None, max(len(data[x]) // 60, 1))
                 points = _AXES[x][1] * data[x][every], _AXES[y][1] * data[y][every]
                 axes.plot(*points, linestyle="", marker="o", markersize=3.0, color=colour, alpha=0.6)
-        axes.set_xlabel(_AXES[x][0])
-        axes.set_ylabel(_AXES[y][0])
+        axes.set(xlabel=_AXES[x][0], ylabel=_AXES[y][0])
         axes.margins(x=0.02)
         if np.ptp(axes.get_ylim()) == 0.0:
             axes.set_ylim(-1.0, 1.0)

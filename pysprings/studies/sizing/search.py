@@ -241,8 +241,7 @@ def candidates(table: pd.DataFrame, best: pd.Series) -> Figure:
     axes.plot(
         best["D_m"], best["L_m"], "*", color=VERMILLION, markersize=16, label=f"least steel: {best['steel_t']:.3g} t"
     )
-    axes.set_xlabel("outer diameter D [m]")
-    axes.set_ylabel("skirt length L [m]")
+    axes.set(xlabel="outer diameter D [m]", ylabel="skirt length L [m]")
     axes.legend(loc="best")
     return figure
 

@@ -19,7 +19,6 @@ from pysprings.core.units import unit_of
 from pysprings.core.variables import DOFS
 from pysprings.core.version import __version__
 from pysprings.results.exporters.csv import write_frame
-from pysprings.results.plots.style import STYLE
 from pysprings.results.sheets import write_sheet
 from pysprings.scene.fields import suggestion
 from pysprings.studies.sweep import measures
@@ -47,6 +46,8 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
+
+    from pysprings.results.plots.style import STYLE
 
     known, axes = scalars(data), axis_names(data)
     if quantity not in known:

@@ -150,8 +150,8 @@ QUANTITIES = {
 
 
 @dataclass
-class Column:
-    """One column: heading with unit, values by path, depth and slice of the heading, defined name (blank: none)."""
+class Cells:
+    """The cells of one column: heading with unit, values by path, depth and slice of the heading, defined name (blank: none)."""
 
     heading: str
     parts: list[Array]
@@ -212,13 +212,13 @@ class Book:
             first = rows[name][1] + 1
         return rows
 
-    def of(self, names: Iterable[str], variable: str, name: str = "", form: str = "{}") -> Column:
+    def of(self, names: Iterable[str], variable: str, name: str = "", form: str = "{}") -> Cells:
         """Return the column of a variable by step (H_tip: as H of `QUANTITIES`), with its defined name."""
         heading, factor = QUANTITIES[variable.partition("_")[0]]
         values = [self.paths[each][variable].values * factor for each in names]
-        return Column(form.format(heading), values, name=name)
+        return Cells(form.format(heading), values, name=name)
 
-    def by_depth(self, headings: Mapping[str, str], values: Sequence[Sequence[Array]]) -> Iterator[Column]:
+    def by_depth(self, headings: Mapping[str, str], values: Sequence[Sequence[Array]]) -> Iterator[Cells]:
         """Yield columns of arrays (depth, step) by heading and path: for each depth one a heading, names numbered."""
         first = next(iter(self.paths.values()))
         for k, (depth, (top, bottom)) in enumerate(
@@ -227,9 +227,9 @@ class Book:
             for (heading, name), parts in zip(headings.items(), values, strict=True):
                 named = f"{name}_{k + 1}" if name else ""
                 label = f"{top:.3f} - {bottom:.3f}"
-                yield Column(heading, [part[k] for part in parts], round(float(depth), 4), label, named)
+                yield Cells(heading, [part[k] for part in parts], round(float(depth), 4), label, named)
 
-    def fill(self, sheet: Any, names: Sequence[str], columns: Sequence[Column]) -> None:
+    def fill(self, sheet: Any, names: Sequence[str], columns: Sequence[Cells]) -> None:
         """Write path, step, the columns and the converged mark of paths below three heading rows."""
         rows = self.rows(names)
         last = max(end for _, end in rows.values())
@@ -238,7 +238,7 @@ class Book:
         for name, (first, end) in rows.items():
             sheet.write_column(first, 0, [name] * (end - first + 1))
             sheet.write_column(first, 1, range(end - first + 1))
-        marks = Column("converged (1 = yes)", [self.paths[name]["converged"].values for name in names])
+        marks = Cells("converged (1 = yes)", [self.paths[name]["converged"].values for name in names])
         for col, column in enumerate([*columns, marks], start=2):
             for row, head in enumerate((column.depth, column.slice, column.heading)):
                 sheet.write(row, col, head, self.head)

@@ -22,7 +22,7 @@ from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
 from pysprings.results.exporters.base import Source
 from pysprings.results.exporters.tables import with_net
-from pysprings.results.exporters.xlsx.book import LENGTHS, QUANTITIES, Book, Column, about_lines, finish, write_numbers
+from pysprings.results.exporters.xlsx.book import LENGTHS, QUANTITIES, Book, Cells, about_lines, finish, write_numbers
 from pysprings.results.sheets import PLAIN_CELLS
 from pysprings.springs.sums import by_depth
 
@@ -104,7 +104,7 @@ def _end(book: Book, sheet: Any, part: str) -> None:
     depth = float(book.springs.attrs["skirt_length_m"]) if part == "tip" else 0.0
     y = [(path["u"].values - path["rotation"].values * depth) * MM for path in book.paths.values()]
     names = list(book.paths)
-    columns = [Column("y [mm]", y, name=f"y_{sheet.name}"), book.of(names, "rotation"), book.of(names, "w")]
+    columns = [Cells("y [mm]", y, name=f"y_{sheet.name}"), book.of(names, "rotation"), book.of(names, "w")]
     columns += [book.of(names, f"{load}_{part}", f"{load}_{sheet.name}") for load in ("H", "V", "M")]
     for column in columns:
         column.depth = depth
@@ -125,7 +125,7 @@ def _load(book: Book, sheet: Any, source: Source) -> None:
                 values = np.zeros(0) if trace is None else trace[variable].values * factor
                 out[good[: values.size]] = values
                 parts.append(out)
-            columns.append(Column(f"macro-model, {spring_set} springs: {heading}", parts))
+            columns.append(Cells(f"macro-model, {spring_set} springs: {heading}", parts))
     book.fill(sheet, names, columns)
 
 
