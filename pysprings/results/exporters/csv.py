@@ -28,7 +28,7 @@ def py_text(source: Source, _options: Options) -> str:
 
 def wide_text(source: Source, _options: Options) -> str:
     """Return the wide p-y table (rows are steps, a pair of columns y, p for each slice) as CSV text."""
-    from pysprings.results.exporters.wide_table import py_wide
+    from pysprings.results.exporters.tables import py_wide
 
     return csv_text(py_wide(source.tables))
 

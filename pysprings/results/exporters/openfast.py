@@ -36,8 +36,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     from pysprings.macro.fan import has_fan
     from pysprings.macro.model import MacroModel
     from pysprings.results.exporters.header import BACKBONE, header, springs_at
-    from pysprings.results.exporters.soildyn.library import library_name
-    from pysprings.results.exporters.soildyn.spring_file import library_input, spring_text
+    from pysprings.results.exporters.soildyn.library import library_input, library_name, spring_text
 
     springs, load = springs_at(source, options)
     if not has_fan(springs):
@@ -71,7 +70,7 @@ def _place(options: Options) -> tuple[float, float, float]:
 
 def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
-    from pysprings.results.exporters.soildyn.spring_file import matrix_input
+    from pysprings.results.exporters.soildyn.library import matrix_input
 
     stiffness, lost = matrix_of(source, float(options["torsion"] or 0.0))
     head = [*header(source, "OpenFAST foundation matrix: stiffness at rest", FRAME, UNITS), *lost]

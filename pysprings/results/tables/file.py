@@ -11,8 +11,7 @@ from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, Faults, Sheet, Table, tables_of
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.units import quoted
-from pysprings.results.exporters.tables import PY_COLUMNS
-from pysprings.results.exporters.wide_table import ENDS, PAIRS, parse
+from pysprings.results.exporters.tables import ENDS, PAIRS, PY_COLUMNS, parse
 from pysprings.springs.checks import name_fault
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")

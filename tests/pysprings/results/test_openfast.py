@@ -16,8 +16,7 @@ from pysprings.macro.stiffness import stiffness_six
 from pysprings.memory.elements import PLATES
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.linear import linear_errors, secants
-from pysprings.results.exporters.soildyn.library import COMPILERS, build, library_name
-from pysprings.results.exporters.soildyn.spring_file import library_input
+from pysprings.results.exporters.soildyn.library import COMPILERS, build, library_input, library_name
 from pysprings.results.exporters.subdyn import labels
 from pysprings.results.tables import open_table
 from pysprings.springs.springs import Springs

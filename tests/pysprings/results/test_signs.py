@@ -23,8 +23,7 @@ from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.memory.build import build_memory
 from pysprings.memory.stepper import MemoryStepper
 from pysprings.results.exporters import export
-from pysprings.results.exporters.tables import load_displacement, py_long
-from pysprings.results.exporters.wide_table import py_wide
+from pysprings.results.exporters.tables import load_displacement, py_long, py_wide
 from pysprings.results.plots.files import figures
 from pysprings.results.plots.overview import overview
 from pysprings.results.summary import summary

@@ -14,8 +14,7 @@ from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, impose
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.soildyn.library import build, build_command, compiler, library_name
-from pysprings.results.exporters.soildyn.spring_file import spring_text
+from pysprings.results.exporters.soildyn.library import build, build_command, compiler, library_name, spring_text
 from tests.support import fans, synthetic, vertical
 from tests.support.commands import command
 from tests.support.foundation import FORCE, Point

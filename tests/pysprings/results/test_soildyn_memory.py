@@ -17,8 +17,7 @@ from pysprings.memory.elements import FRICTIONAL, GAP, PLATES, REVERSIBLE
 from pysprings.memory.model import error_between_planes
 from pysprings.memory.shares import at_rest
 from pysprings.results.exporters import export
-from pysprings.results.exporters.soildyn.library import build
-from pysprings.results.exporters.soildyn.spring_file import spring_text
+from pysprings.results.exporters.soildyn.library import build, spring_text
 from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
 from tests.support.foundation import FORCE, Point

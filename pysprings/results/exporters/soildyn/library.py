@@ -1,14 +1,222 @@
 # SPDX-License-Identifier: MIT
-"""The SoilDyn library: its C source, and the command that builds it with the compiler of the system."""
+"""The SoilDyn library: its C source, and the command that builds it with the compiler of the system.
+
+The spring file of the library is the macro-model as text, a fan or springs with memory (`spring_file.c`). Beside it the
+input files of SoilDyn, as OpenFAST 5.0.0 reads them (commit 2895884): one matrix, or points of a library.
+"""
 
 import os
 import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from pysprings.core.errors import ResourceError
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.errors import ResourceError, refused
+from pysprings.core.text import commented, one_line
+from pysprings.macro.fan import FanTable
+from pysprings.macro.model import MacroModel
+from pysprings.macro.vertical import Branch
+
+Array = NDArray[np.float64]
+Place = tuple[float, float, float]
+
+MATRIX, LIBRARY = 1, 3  # CalcOption
+# reactions of the soil (kN, kN m) and motions (m, rad), by point
+_FORCES, _MOTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz"), ("TDx", "TDy", "TDz", "RDx", "RDy", "RDz")
+
+
+def matrix_input(head: Sequence[str], stiffness: Array, place: Place) -> str:
+    """Return an input file with one matrix (6, 6) at a place [m]; the header stands at its end, too."""
+    return _input(head, MATRIX, stiffness, place, [])
+
+
+def library_input(head: Sequence[str], library: str, springs: str, places: Sequence[Place]) -> str:
+    """Return an input file with points on the springs of a library.
+
+    Parameters
+    ----------
+    library
+        Shared library, relative to the working folder of OpenFAST.
+    springs
+        Spring file, relative to the input file; at most 45 letters with the folder of the input file.
+    places
+        Points (x, y, z) [m].
+    """
+    points = [f'{x:.10g} {y:.10g} {z:.10g} "{springs}" "{springs}"' for x, y, z in places]
+    return _input(head, LIBRARY, np.zeros((6, 6)), places[0], points, library)
+
+
+def _input(
+    head: Sequence[str], option: int, stiffness: Array, place: Place, points: Sequence[str], library: str = "unused"
+) -> str:
+    lines = [
+        f"---------- SoilDyn Input File: {one_line(head[0])} ----------",
+        "scene, frame, units, range and error: below END",
+        "---------- Options ----------",
+        "False        Echo         - Echo the input data",
+        '"default"    DT           - Time step (s)',
+        f"{option}            CalcOption   - 1: stiffness matrix, 3: library",
+        "---------- Stiffness and damping at one point (CalcOption 1) ----------",
+        f"{place[0]:.10g} {place[1]:.10g} {place[2]:.10g}    Location (x, y, z) (m)",
+        "---------- Stiffness (N/m, N/rad, N m/rad) ----------",
+        *(" ".join(f"{value:.15E}" for value in row) for row in stiffness),
+        "---------- Damping (not supported by SoilDyn) ----------",
+        *["0 0 0 0 0 0"] * 6,
+        "---------- P-Y curves (not available in SoilDyn) ----------",
+        "0            PY_NumPoints",
+        "---------- Location (x, y, z) (m) and file ----------",
+        "---------- Library (CalcOption 3) ----------",
+        "2            DLL_Model",
+        f'"{library}"     DLL_FileName',
+        f"{len(points)}            DLL_NumPoints",
+        "---------- Location (x, y, z) (m) and files ----------",
+        *points,
+        "---------- Output ----------",
+        "False        SumPrint",
+        "---------- OutList ----------",
+        *_outputs(max(1, len(points))),
+        "END of input",
+        *commented("!", head),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _outputs(points: int) -> list[str]:
+    """Return the output channels of up to nine points, as many as SoilDyn has."""
+    names = [[f"Sld{k + 1}{name}g" for name in each] for k in range(min(points, 9)) for each in (_FORCES, _MOTIONS)]
+    return [f'"{", ".join(row)}"' for row in names]
+
+
+VERSION = 6
+PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
+_SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
+_STATE_HEAD = 9
+_BETWEEN = (
+    "springs with memory between two vertical loads or rates have elements of both, and SoilDyn keeps a state for "
+    "those of one: give the V or rate of one"
+)
+
+
+def spring_text(
+    head: Sequence[str], model: MacroModel, torsion: float, reaction_at_rest: bool, stop_beyond: bool
+) -> str:
+    """Return the spring file of a model.
+
+    Parameters
+    ----------
+    head
+        Lines of the header.
+    model
+        Macro-model on a fan, of springs with a vertical stiffness.
+    torsion
+        Stiffness about the vertical axis [N m/rad].
+    reaction_at_rest
+        With it the reaction at rest is the vertical load at rest, else the change from there.
+    stop_beyond
+        The library stops beyond the calibrated range instead of extrapolating with a warning.
+
+    Raises
+    ------
+    UserInputError
+        No fan, no vertical stiffness, more numbers than SoilDyn keeps, or elements of several loads or rates.
+    """
+    table = model.table
+    if not isinstance(table, FanTable):
+        raise refused("springs", "the SoilDyn library needs a fan of load paths: see the template 'fan'")
+    if model.stiffness_initial is None:
+        raise refused("springs", "springs from a table have no vertical stiffness: SoilDyn needs springs.nc")
+    _check_size(model, table)
+    w, V = (_rest_rows(table, name) for name in ("w", "V"))
+    rest = (float(w[0]), float(V[0])) if model.vertical is None else model.vertical.rest
+    lines = commented("!", head)
+    lines += [
+        f"pysprings_soildyn {VERSION}",
+        _row("length_m", [table.length]),
+        _row("torsion_Nm", [torsion]),
+        _row("rest_w_m_V_N", rest),
+        _row("offset_N", [0.0 if reaction_at_rest else rest[1]]),
+        _row("vertical_stiffness_N_per_m", [float(model.stiffness_initial[1, 1])]),
+        _row("settled_m", [model.settled]),
+        _row("elastic_V_N", np.clip(model.elastic_loads, -1e300, 1e300)),
+        f"stop_beyond_range {int(stop_beyond)}",
+        f"rays {table.angle.size}",
+        *_ray_lines(model, table),
+        *_branch_lines(model, "down", 1.0),
+        *_branch_lines(model, "up", -1.0),
+        *_element_lines(model),
+        "end",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _rest_rows(table: FanTable, name: str) -> Array:
+    """Return the value at rest of a row by ray."""
+    values: Array = table.r[table.name == name][0][:, 0]
+    return values
+
+
+def _check_size(model: MacroModel, table: FanTable) -> None:
+    branches = () if model.vertical is None else model.vertical.branches
+    size = _SCALARS + sum(_RAY_HEAD + _COLUMNS * int(n) for n in table.count)
+    size += sum(_BRANCH_HEAD + _BRANCH * branch.x.size for branch in branches)
+    elements = model.response.element_rows
+    size += elements.rows.size
+    if size > PROPS:
+        raise refused("springs", f"{size} numbers: SoilDyn keeps {PROPS} for a point; use fewer rays or steps")
+    if elements.sets > 1:
+        raise refused("springs", _BETWEEN)
+    kept = _STATE_HEAD + elements.numbers
+    if kept > STATES:
+        raise refused("springs", f"{kept} numbers of {len(elements.rows)} elements: SoilDyn keeps {STATES} of a state")
+
+
+def _ray_lines(model: MacroModel, table: FanTable) -> Iterator[str]:
+    """Yield each ray: angle, knots, whether its path failed; then rho, H, M, w and V with their slopes by knot."""
+    _, _, knots, loads, slopes, _ = table.solver_arrays
+    down = [(table.r[table.name == name][0], table.slope[table.name == name][0]) for name in ("w", "V")]
+    yield "! ray: angle of (u, rotation L) [rad], knots, 1 if its path stopped; rho, H, dH, M, dM, w, dw, V, dV"
+    for k, path in enumerate(table.path):
+        n = int(table.count[k])
+        columns = [knots[2 * k], loads[2 * k], slopes[2 * k], loads[2 * k + 1], slopes[2 * k + 1]]
+        columns += [each[k] for pair in down for each in pair]
+        yield from commented("!", [f"path {path}"])
+        yield _row("ray", [table.angle[k], n, float(model.ends[path].failed)])
+        yield from (_row("", row) for row in np.stack(columns, axis=1)[:n])
+
+
+def _branch_lines(model: MacroModel, word: str, sign: float) -> Iterator[str]:
+    """Yield a vertical curve: knots, whether its path failed; then |w - w0|, V and its slope by knot."""
+    branch: Branch | None = None if model.vertical is None else model.vertical.branch(sign)
+    if branch is None:
+        yield f"{word} 0 0"
+        return
+    yield _row(word, [branch.x.size, float(model.ends[branch.path].failed)])
+    yield from (_row("", row) for row in np.stack([branch.x, branch.r[-1], branch.slope[-1]], axis=1))
+
+
+def _element_lines(model: MacroModel) -> Iterator[str]:
+    """Yield the elements with a memory: their number; step, limit of ways, way, w and V at rest; a row for each."""
+    elements = model.response.element_rows
+    yield f"elements {len(elements.rows)}"
+    if not len(elements.rows):
+        return
+    yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
+    yield _row("memory", elements.head)
+    yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
+    yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
+    yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
+    yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
+    yield from (_row("", row) for row in elements.rows)
+
+
+def _row(word: str, values: Iterable[float]) -> str:
+    return " ".join(filter(None, [word, *(f"{value:.17g}" for value in values)]))
+
 
 _NAMES_OF_SOURCES = ("foundation.c", "springs.c", "memory.c", "spring_file.c")
 SOURCES = tuple(Path(__file__).with_name(name) for name in _NAMES_OF_SOURCES)

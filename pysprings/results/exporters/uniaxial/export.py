@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.results.exporters.base import Options, Source
 from pysprings.results.exporters.header import header, springs_at
-from pysprings.results.exporters.uniaxial.curve import FAR, Spring, Table
-from pysprings.results.exporters.uniaxial.planes import cosines
+from pysprings.results.exporters.uniaxial.curve import FAR, Spring, Table, cosines
 from pysprings.results.exporters.uniaxial.sets import (
     Uniaxial,
     change_by_tables,

@@ -4,7 +4,7 @@
 Virtual springs represent a fan: a lateral spring at depth z of a rigid body reads u - z rotation. With z =
 -L tan(angle) it reads the component of (u, rotation L) in a direction; a rotational spring reads -90 deg. The springs
 stand at depths where there may be no skirt: they represent the foundation as a whole, not its parts. Each direction
-has a sum of curves k q/(1 + (|q|/d)^4)^(1/4), k >= 0, and a straight line, in several planes (`planes`). k comes from
+has a sum of curves k q/(1 + (|q|/d)^4)^(1/4), k >= 0, and a straight line, in several planes (`curve.spread`). k comes from
 non-negative least squares over the loads of the fan, relative errors, with the initial stiffness as heavy rows.
 """
 
@@ -23,8 +23,19 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import row_values
 from pysprings.macro.vertical import Branch
 from pysprings.results.exporters.base import RINGS, VIRTUAL, ZONE
-from pysprings.results.exporters.uniaxial.curve import Spring, Table, table, with_far
-from pysprings.results.exporters.uniaxial.planes import KNOTS, SCALES, SIZES, curves, in_planes, spread, together
+from pysprings.results.exporters.uniaxial.curve import (
+    KNOTS,
+    SCALES,
+    SIZES,
+    Spring,
+    Table,
+    curves,
+    in_planes,
+    spread,
+    table,
+    together,
+    with_far,
+)
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights

@@ -151,7 +151,7 @@ QUANTITIES = {
 
 @dataclass
 class Cells:
-    """The cells of one column: heading with unit, values by path, depth and slice of the heading, defined name (blank: none)."""
+    """A column of a sheet: heading with unit, values by path, depth and slice of the heading, defined name or none."""
 
     heading: str
     parts: list[Array]
