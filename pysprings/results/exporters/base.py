@@ -22,15 +22,14 @@ RINGS, ZONE = "rings", "zone"
 SETS = (VIRTUAL, "pisa", "full", "py")
 
 
-def table_options(points: int, most: int | None = None) -> tuple[Option, ...]:
-    """Return the options of an exporter of tables with a default (and largest) number of points."""
-    limit = f", at most {most}" if most else ""
+def table_options(points: int) -> tuple[Option, ...]:
+    """Return the options of an exporter of tables with a default number of points."""
     return (
         Option("springs", "virtual: a fan at virtual depths (default with a fan); pisa, full, py: at real depths",
                choices=("", *SETS), default=""),
         Option("slices", "zone: those of the tables, the last fifth of the skirt as one (default); rings: those of the "
                "mesh, as `predict` has them", choices=("", RINGS, ZONE), default=""),
-        Option("points", f"points of a table within its range{limit}", points),
+        Option("points", "points of a table within its range", points),
         Option("planes", "even number of vertical planes with springs; 0: 8 of virtual springs, 2 of others", 0),
         Option("azimuth", "direction of the first plane, from x towards y; that of the load where there are two",
                unit="rad", example="30 deg"),

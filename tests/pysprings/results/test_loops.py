@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pysprings.macro.comparison import curves
-from pysprings.results.plots.comparison import PICTURE
+from pysprings.results.plots.comparison import LOOPS
 from pysprings.results.plots.picture import View
 from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
@@ -24,8 +24,8 @@ def view(name: str) -> View:
 
 def test_loops_show_both_models_with_stiffness_and_damping() -> None:
     shown = view("turning_0")
-    assert PICTURE.applies(shown)
-    loads, moments, stiffness, damping = PICTURE.draw(shown).axes
+    assert LOOPS.applies(shown)
+    loads, moments, stiffness, damping = LOOPS.draw(shown).axes
     full, macro = loads.get_lines()[:2]
     np.testing.assert_allclose(full.get_xdata(), 1e3 * shown.path["u"].values)
     np.testing.assert_allclose(np.ptp(macro.get_ydata()) / np.ptp(shown.predictions["memory"]["H"].values), 1e-6)
@@ -36,8 +36,8 @@ def test_loops_show_both_models_with_stiffness_and_damping() -> None:
 
 
 def test_loops_are_drawn_where_a_path_turns_back_and_springs_remember() -> None:
-    assert not PICTURE.applies(replace(view("turning_0"), predictions={}))
-    assert not PICTURE.applies(view("ray_0"))
+    assert not LOOPS.applies(replace(view("turning_0"), predictions={}))
+    assert not LOOPS.applies(view("ray_0"))
 
 
 @pytest.mark.slow

@@ -78,7 +78,10 @@ FEWEST = 5
 UNITS = "m, rad, N, N m; reactions are those of a spring, p times the height of its slice"
 ELASTIC = "nonlinear elastic (monotonic backbone): no hysteresis, no memory; not for cyclic degradation"
 NOT_ODD = "vertical spring: change of V from the state at rest; lateral springs do not depend on V"
-BEHIND = "behind their range springs go on with their last slope{}: no load that the full model has carried"
+BEHIND = (
+    f"behind their range springs go on with their last slope to {FAR:g} times the range: no load that the full model "
+    "has carried"
+)
 FREE = "torsion is not known from lateral loading: rotation about z is free; give --option torsion"
 
 
@@ -98,34 +101,20 @@ class Prepared:
     torsion: float
 
 
-def prepare(
-    source: Source,
-    given: Options,
-    target: str,
-    frame: str,
-    most: int | None = None,
-    far: bool = True,
-) -> Prepared:
-    """Return the tables of an export.
+def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared:
+    """Return the tables of an export for a program (``target``) and its axes (``frame``), which the header names.
 
-    Parameters
-    ----------
-    target, frame
-        Program and axes, for the header.
-    most
-        Largest number of points of a table.
-    far
-        Adds a point behind each end, for programs that extrapolate badly.
+    A far point stands behind each end of a table, for programs that extrapolate badly.
     """
     points = int(given["points"])
-    if points < FEWEST or (most is not None and points > most):
-        raise refused("--option points", f"{points} is not from {FEWEST} to {most or 'any number'}")
+    if points < FEWEST:
+        raise refused("--option points", f"{points} is not from {FEWEST} to any number")
     springs, load = springs_at(source, given)
     made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]), str(given["slices"]))
-    rows = tables(made, points, far)
+    rows = tables(made, points)
     torsion, first = float(given["torsion"] or 0.0), float(given["azimuth"] or 0.0)
     lost = [f"springs '{made.model.spring_set}'", *made.lost, ELASTIC, NOT_ODD, other_planes(springs, made)]
-    lost += [BEHIND.format(f" to {FAR:g} times the range" if far else ""), *([] if torsion else [FREE])]
+    lost += [BEHIND, *([] if torsion else [FREE])]
     lost += [
         f"tables of at most {points} points: {100.0 * max(row.error for row in rows):.2g} % from the curves at most",
         change_by_tables(springs, made.model, with_tables(made, rows)),

@@ -4,8 +4,9 @@
 Virtual springs represent a fan: a lateral spring at depth z of a rigid body reads u - z rotation. With z =
 -L tan(angle) it reads the component of (u, rotation L) in a direction; a rotational spring reads -90 deg. The springs
 stand at depths where there may be no skirt: they represent the foundation as a whole, not its parts. Each direction
-has a sum of curves k q/(1 + (|q|/d)^4)^(1/4), k >= 0, and a straight line, in several planes (`curve.spread`). k comes from
-non-negative least squares over the loads of the fan, relative errors, with the initial stiffness as heavy rows.
+has a sum of curves k q/(1 + (|q|/d)^4)^(1/4), k >= 0, and a straight line, in several planes (`curve.spread`). k
+comes from non-negative least squares over the loads of the fan, relative errors, with the initial stiffness as heavy
+rows.
 """
 
 from collections.abc import Iterator
@@ -265,10 +266,9 @@ def _change(branch: Branch, x: Array) -> Array:
 # --- tables, and what they cost ---
 
 
-def tables(made: Uniaxial, points: int, far: bool = True) -> list[Table]:
+def tables(made: Uniaxial, points: int) -> list[Table]:
     """Return every spring as a table of at most `points` points within its range, with two far ones."""
-    given = [table(spring, points) for spring in made.springs]
-    return [with_far(each) for each in given] if far else given
+    return [with_far(table(spring, points)) for spring in made.springs]
 
 
 def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
