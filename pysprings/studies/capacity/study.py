@@ -27,7 +27,7 @@ from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.csv import write_frame
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
-from pysprings.studies.capacity import plan
+from pysprings.studies.capacity import plan, points
 from pysprings.studies.capacity.points import Capacity, Point, utilisation
 from pysprings.studies.stored_runs import RUNS
 
@@ -77,12 +77,12 @@ def study(
         No direction has a load; nothing but the runs is written.
     """
     groups = list(plan.groups(scene, request))
-    every = plan.planned(groups, request)
+    every = points.planned(groups, request)
     with new_folder(out), exclusive(out):
         remove_leftovers(out, own_folder(out, RUNS))
         if force:
-            plan.forget_all(every, out)
-        outcome = assess(scene, request, plan.run_all(every, out, report, jobs), springs, cases)
+            points.forget_all(every, out)
+        outcome = assess(scene, request, points.run_all(every, out, report, jobs), springs, cases)
         if outcome.table.empty:
             raise RunIncomplete(f"no capacity was found: {'; '.join(outcome.remarks)}", out)
         write(out, outcome, formats)
@@ -90,7 +90,7 @@ def study(
 
 
 def assess(
-    scene: Scene, request: plan.Request, ended: Sequence[plan.Ended], springs: MacroModel | None = None,
+    scene: Scene, request: plan.Request, ended: Sequence[points.Ended], springs: MacroModel | None = None,
     cases: LoadCases | None = None,
 ) -> Capacity:  # fmt: skip
     """Return the capacities of ended runs."""
@@ -117,7 +117,7 @@ def assess(
     return Capacity(scene, request, table, used, tuple(remarks))
 
 
-def _load_of(ended: Iterable[plan.Ended]) -> float:
+def _load_of(ended: Iterable[points.Ended]) -> float:
     """Return the vertical load [N] of a group: the given one, or that of the first probe at its start."""
     for each in ended:
         if not isinstance(each.planned.group.load, str):
@@ -127,7 +127,7 @@ def _load_of(ended: Iterable[plan.Ended]) -> float:
     return math.nan
 
 
-def _model_of(ended: Iterable[plan.Ended]) -> tuple[MacroModel | None, str]:
+def _model_of(ended: Iterable[points.Ended]) -> tuple[MacroModel | None, str]:
     """Return the macro-model on the rays of a group; None, with the reason, where there is none."""
     rays = next((each for each in ended if each.planned.angle is None), None)
     if rays is None:
@@ -150,7 +150,7 @@ def _is_short(path: SpringPath, scene: Scene) -> bool:
     return path.end.failed and moved < _ENOUGH
 
 
-def _row(planned: plan.Planned, point: Point, model: MacroModel | None) -> dict[str, Any]:
+def _row(planned: points.Planned, point: Point, model: MacroModel | None) -> dict[str, Any]:
     """Return one row of the table."""
     diameter = planned.scene.caisson.outer_diameter
     size = point.H * math.cos(point.angle) + point.M / diameter * math.sin(point.angle)

@@ -12,7 +12,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
-from pysprings.studies.capacity import picture, plan, study
+from pysprings.studies.capacity import picture, plan, points, study
 from pysprings.studies.capacity.picture import envelopes
 from pysprings.studies.capacity.points import Capacity, Criterion, assess, utilisation
 from tests.support import tiny
@@ -190,7 +190,7 @@ def test_a_vertical_load_that_is_not_carried_is_named_once(tmp_path: Path) -> No
 
 def test_runs_have_names_and_springs() -> None:
     request = plan.Request((1e6,), directions=2)
-    every = plan.planned(plan.groups(SCENE, request), request)
+    every = points.planned(plan.groups(SCENE, request), request)
     assert [each.name for each in every] == [
         "characteristic-V1000kN-+0deg", "characteristic-V1000kN-+90deg", "characteristic-V1000kN-rays"
     ]  # fmt: skip
