@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The output of `pysprings predict`: states, marks, stiffness."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from pysprings.cli.support import print_table, refuse, to_stderr
 from pysprings.core.columns import Column, Table, filled
@@ -15,9 +15,6 @@ from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.process import uninterrupted
 from pysprings.core.text import json_text
 from pysprings.core.words import RANGE_END
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
 """`pysprings stability`: runs the catalogue, prints it line by line, writes table and picture."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from pysprings.cli.support import interruptible, print_json, to_stderr
 from pysprings.core.columns import records
@@ -14,9 +13,6 @@ from pysprings.core.errors import following
 from pysprings.core.files.storage import write_text
 from pysprings.core.workers import cores
 from pysprings.studies.stability import catalogue as stability
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def run(

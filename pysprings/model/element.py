@@ -10,27 +10,22 @@ Undrained is constant volume of the skeleton; the pore pressure is what the held
 effective one. A layer of clay in total stress is undrained by its law: its specimen is held as a drained one is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fe_engine.conventions import OK
 from fe_engine.material import Material
 from fe_engine.soil.law import Point
 from pysprings.core.words import ElementTest
 from pysprings.model.soil_laws import material_at
+from pysprings.scene.by_depth import Value
+from pysprings.scene.ground import Stratum
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from pysprings.scene.by_depth import Value
-    from pysprings.scene.ground import Stratum
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 MAX_ITERATIONS, MAX_HALVINGS, MAX_CUTS = 40, 12, 10
 TOLERANCE = 1.0e-9  # residual over the stress of the specimen

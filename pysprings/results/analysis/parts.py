@@ -4,21 +4,17 @@
 Beside them the zones without contact around the skirt, and the attempts of a Newton record.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from pysprings.full_model.run_record import ATTRIBUTE, RunRecord
 from pysprings.springs.path import paths_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 
 def node(tree: xr.DataTree, path: str) -> xr.DataTree:

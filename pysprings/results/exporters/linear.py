@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: MIT
 """A foundation as one matrix 6 x 6: in another frame, and the error of its linear response on the paths."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import has_free_head
@@ -14,9 +12,6 @@ from pysprings.core.text import plain_table
 from pysprings.macro.model import MacroModel
 from pysprings.macro.stiffness import Form, in_form, secant, stiffness_six
 from pysprings.springs.springs import Springs
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Array = NDArray[np.float64]
 

@@ -1,26 +1,20 @@
 # SPDX-License-Identifier: MIT
 """ParaView files of a run that kept the whole model: a `.pvd` for each path, a `.vtu` for each step."""
 
-from __future__ import annotations
-
 import base64
 import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+import xarray as xr
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.files.storage import write_text
 from pysprings.core.variables import STRESSES
 from pysprings.springs.path import paths_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
 
 _TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "int8": "Int8", "uint8": "UInt8"}
 _HEXAHEDRON = 12  # VTK's number of the cell; its corners are in the order of ours

@@ -4,12 +4,13 @@
 Of a path that turns back: load over motion, and secant stiffness and damping by amplitude, of both models.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS, driven, turns_back
 from pysprings.macro.cycles import Followed, cycles
@@ -35,11 +36,6 @@ from pysprings.results.plots.style import (
     zero_lines,
 )
 from pysprings.springs.path import SpringPath
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 LOOKS = {
     "fan": (GREEN, "-.", "^"),

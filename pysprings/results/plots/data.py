@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Quantities in the form that figures need: depths, abscissa, reactions by side, words for a step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
 from pysprings.results.plots.style import KN, MM, MN, MRAD
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
 
 # Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.
 DEPTH_FRACTIONS = (1 / 16, 5 / 16, 9 / 16, 13 / 16)

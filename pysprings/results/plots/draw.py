@@ -5,14 +5,13 @@ A new picture is one module in this folder and one entry here. Other packages ca
 entry point in the group `pysprings.pictures`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray as xr
+from matplotlib.figure import Figure, SubFigure
 
 from pysprings.core.errors import refused
 from pysprings.core.registry import Registry
@@ -33,9 +32,6 @@ from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import drawn_on
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure, SubFigure
 
 PICTURES: Registry[Picture] = Registry(
     "picture",

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Write the pictures of a run to files, each whole or not at all."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
+import xarray as xr
+from matplotlib.figure import Figure
 
 from pysprings.core.files.storage import replacing
 from pysprings.core.registry import Registry
@@ -21,10 +21,6 @@ from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import STYLE, CompressedLayout
 from pysprings.springs.path import paths_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 PAPER_DISPLACEMENT = 2.5e-3  # m: the state that the paper's figures show
 DPI = 100  # the widest figures, 9.6 inch, fill the report, whose text is 960 pixels wide

@@ -4,13 +4,14 @@
 Of an elastic skirt, how it has bent: change of its diameters by depth, and its mean fibre beside the rigid motion.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle
+from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import Opening, openings, pick_step, plan_gap, skirt_gap
 from pysprings.results.plots.data import step_text
@@ -32,13 +33,6 @@ from pysprings.results.plots.style import (
     styled,
     zero_lines,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 
 @styled

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Load against displacement, lateral (the paper's figure 10) and vertical, with the parts that carry it."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
@@ -32,11 +33,6 @@ from pysprings.results.plots.style import (
     styled,
     zero_lines,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SURFACES = {"outer": "skirt outside", "inner": "skirt inside", "lid": "lid", "tip": "tip"}
 

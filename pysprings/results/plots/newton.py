@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The Newton record of a path: iterations by increment with cut-backs, and every residual."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
@@ -13,11 +12,6 @@ from matplotlib.ticker import MaxNLocator
 from pysprings.results.analysis.parts import Attempt, attempts, failed_steps
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 @styled

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
 """All lateral paths of a run over each other: load against displacement, moment against rotation; tilt with limits."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import ROUNDING, converged, load_sizes, settings
@@ -29,10 +29,6 @@ from pysprings.results.plots.style import (
     zero_lines,
 )
 from pysprings.springs.path import paths_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 class LateralPath(NamedTuple):

@@ -1,20 +1,16 @@
 # SPDX-License-Identifier: MIT
 """What a picture declares, and what it may read."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import xarray as xr
+from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import convergence_data, path_data, path_names, settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Scope = Literal["run", "path", "state"]
 # Part of the report that shows a picture; "" leaves it to the folder of figures

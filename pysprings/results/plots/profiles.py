@@ -4,14 +4,15 @@
 Beside p stands how much of its largest value it has reached.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
@@ -31,11 +32,6 @@ from pysprings.results.plots.style import (
     zero_lines,
 )
 from pysprings.springs.tip_zone import edge_rings
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 MOST_CURVES = 8
 EDGE_WORDS = "dotted: edge ring of the tip, whose p depends on the mesh; it does not set the scale"

@@ -5,16 +5,18 @@ Application point: where the radial direction meets the trace of the caisson. Ma
 positive outside the trace, negative inside.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Wedge
+from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import pick_step
 from pysprings.results.plots.data import depth_words, pick_depths, step_text
@@ -32,12 +34,6 @@ from pysprings.results.plots.style import (
     set_title,
     styled,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 TRACE = 1.0  # drawn radius of the caisson: the circle of zero
 GAP_WIDTH = 0.12  # drawn width of the zones without contact

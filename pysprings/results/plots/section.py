@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Figures in the symmetry plane: the mesh with the caisson in it, and the displacement of the soil."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import pick_step
@@ -27,12 +29,6 @@ from pysprings.results.plots.style import (
     set_title,
     styled,
 )
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 LID_SHARE = 0.05  # thickness of a drawn lid over the diameter, where the scene's is not known
 

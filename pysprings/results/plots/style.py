@@ -1,24 +1,20 @@
 # SPDX-License-Identifier: MIT
 """How every figure looks: palette, units for people, titles, marks of unconverged steps."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, ParamSpec, cast
+from typing import Any, ParamSpec, cast
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, NDArray
 
 NOTEBOOK_DPI = 80
 KN, MN, KPA, MM, MRAD = 1e-3, 1e-6, 1e-3, 1e3, 1e3  # from N, N, Pa, m, rad

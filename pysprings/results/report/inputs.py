@@ -1,26 +1,21 @@
 # SPDX-License-Identifier: MIT
 """What a table of the report declares and reads; tables of what a run was given: keys of the scene, and the mesh."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
+
+import pandas as pd
+import xarray as xr
 
 from pysprings.core.columns import Table
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
-from pysprings.full_model.run_record import MeshFigures, RunRecord
+from pysprings.full_model.run_record import MeshFigures, PathFigures, RunRecord
 from pysprings.model.forecast.omissions import saved_text
 from pysprings.scene.defaults import value_text
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from pysprings.full_model.run_record import PathFigures
 
 # Parts of the page in their order; "path" is repeated for each path.
 Section = Literal[

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Answers to load cases for people: columns of terminal, workbook, page, and report of their run; tables of springs."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import beam_order
@@ -18,10 +16,6 @@ from pysprings.results.report.inputs import ReportTable
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.sums import by_depth, net_m
 from pysprings.springs.tip_zone import on_slices
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 _COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [kN/m]", "p net [kN/m]",
             "p at half of y [kN/m]", "m [kN m/m]")  # fmt: skip

@@ -7,8 +7,6 @@ plotly is not installed, scripts are off, or the page is printed, the pictures o
 Every text that comes from a scene or a file is escaped by the template engine.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import hashlib
@@ -21,9 +19,10 @@ from functools import lru_cache
 from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -42,9 +41,6 @@ from pysprings.results.report.load_cases import read_answers
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import by_depth
 from pysprings.springs.tip_zone import edge_rings
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 MOST_STEPS = 25  # of a path that the sliders show
 MOST_PATHS = 24

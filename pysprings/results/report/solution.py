@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Tables of the solution: convergence by path, given-up attempts, contact, states at the end."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,11 +11,9 @@ from pysprings.core.columns import Table
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.ring_measure import contact_alternation
+from pysprings.full_model.run_record import PathFigures
 from pysprings.results.analysis.parts import attempts, failed_steps
 from pysprings.results.report.inputs import ReportTable
-
-if TYPE_CHECKING:
-    from pysprings.full_model.run_record import PathFigures
 
 
 def convergence_table(paths: Mapping[str, Any], figures: Mapping[str, PathFigures] = MappingProxyType({})) -> Table:

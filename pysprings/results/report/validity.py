@@ -1,26 +1,20 @@
 # SPDX-License-Identifier: MIT
 """For what the numbers of a run hold: balances, calibrated ranges, measured errors, estimated errors."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import driven
 from pysprings.core.text import number
-from pysprings.full_model.run_record import RunRecord
+from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS
 from pysprings.results.report.inputs import ReportTable
 from pysprings.springs.path_ends import end_of
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from pysprings.full_model.run_record import PathFigures
 
 
 def equilibrium_table(tree: xr.DataTree) -> Table:

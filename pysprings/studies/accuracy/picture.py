@@ -1,21 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Error against run time: every setting of a study, the full model and the macro-model, and the Pareto front."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from pysprings.full_model.accuracy.presets import BRICKS, FOURIER, MESH
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 def front(cost: Sequence[float], error: Sequence[float]) -> list[int]:

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: MIT
 """`Atlas`: springs of any caisson of its family, with their predicted standard deviation and marks outside its hull."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,12 +19,10 @@ from pysprings.core.units import quoted
 from pysprings.core.version import __version__
 from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
+from pysprings.scene.model import Scene
 from pysprings.studies.atlas.between import Process
 from pysprings.studies.atlas.families import FAMILIES, Family
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, stiffness_of
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 Array = NDArray[np.float64]
 _ROUNDING = 1e-6

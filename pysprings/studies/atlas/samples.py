@@ -6,25 +6,20 @@ of the slices, M_tip, M_lid; w. Forces are over F h, moments over F L h, w over 
 rest.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
+from pysprings.scene.model import Scene
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.sweep.measures import DEPTHS
 from pysprings.studies.sweep.plan import quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from pysprings.scene.model import Scene
 
 Array = NDArray[np.float64]
 

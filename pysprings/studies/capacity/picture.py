@@ -1,30 +1,23 @@
 # SPDX-License-Identifier: MIT
 """The envelopes in the plane of H and M: full model, macro-model, load cases."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from pysprings.core.columns import Column, Row, Table
 from pysprings.core.files.storage import write_text
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
+from pysprings.scene.model import Scene
 from pysprings.studies.capacity.plan import CHARACTERISTIC
-from pysprings.studies.capacity.points import closed
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from pysprings.scene.model import Scene
-    from pysprings.studies.capacity.points import Capacity
+from pysprings.studies.capacity.points import Capacity, closed
 
 _WIDTH = 5.6  # inch of a panel
 

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The whole study in a folder: runs, envelope of both models, tables, picture, page."""
 
-from __future__ import annotations
-
 import math
 import os
 import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,22 +17,20 @@ from pysprings.core.errors import PyspringsError, RunIncomplete, following
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
+from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
 from pysprings.core.words import RANGE_END
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.csv import write_frame
+from pysprings.results.tables.load_cases import LoadCases
+from pysprings.scene.model import Scene
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, points
 from pysprings.studies.capacity.points import Capacity, Point, utilisation
 from pysprings.studies.stored_runs import RUNS
-
-if TYPE_CHECKING:
-    from pysprings.core.progress import Progress
-    from pysprings.results.tables.load_cases import LoadCases
-    from pysprings.scene.model import Scene
 
 _ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
 SCHEMA = "pysprings-capacity-2"

@@ -1,29 +1,24 @@
 # SPDX-License-Identifier: MIT
 """Laboratory tests on a layer of a scene: what is asked for, the curves, their files and picture."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from pysprings.core.files.storage import write_text
 from pysprings.core.words import ElementTest
 from pysprings.model.element import KINDS, Curve, element_test, specimen
 from pysprings.results.plots.files import redraw
 from pysprings.results.plots.style import BLUE, GREEN, KPA, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
+from pysprings.scene.ground import Stratum
 from pysprings.studies.element.data import MEASURED, LabTest, residuals
 from pysprings.studies.element.fit import Fit, fit
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from pysprings.scene.ground import Stratum
 
 # column -> its axis, and the factor to the unit there
 _AXES = {

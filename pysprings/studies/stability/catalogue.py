@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
 """The catalogue of stiff and extreme cases, run: how each one ends, at which cost and error; its picture."""
 
-from __future__ import annotations
-
 import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from pydantic import ValidationError
 
@@ -23,10 +23,6 @@ from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION, new_figure, styled
 from pysprings.studies.stability.cases import CASES, REACH, Case
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 COLOURS = {"converged": BLUE, "warned": GREEN, "stopped": ORANGE, "refused": GREY, "unexplained": VERMILLION}
 MARKERS = {"converged": "o", "warned": "D", "stopped": "s", "refused": "x", "unexplained": "*"}

@@ -5,8 +5,6 @@ The folder of a case is the truth: it is named by the number of its scene, and m
 was interrupted in any way goes on with the same call.
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 import time
@@ -15,13 +13,13 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pysprings.core.errors import ResourceError, refused
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
-from pysprings.core.progress import duration
+from pysprings.core.progress import Progress, duration
 from pysprings.studies.sweep.plan import (
     CASES,
     SKIP,
@@ -49,9 +47,6 @@ from pysprings.studies.sweep.worker import (
     run_case,
     unpack,
 )
-
-if TYPE_CHECKING:
-    from pysprings.core.progress import Progress
 
 STUDY = "study.json"
 _AHEAD = 4  # cases that wait at the scheduler for each that runs
