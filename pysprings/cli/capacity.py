@@ -22,6 +22,7 @@ from pysprings.cli.options import (
     formats_of,
 )
 from pysprings.cli.support import interruptible, print_json, print_table, quantities, refuse, to_stderr
+from pysprings.core.progress import reporter
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -70,7 +71,6 @@ def capacity(
     Runs that have ended in DIR are not run again; interrupted ones go on. Series where the scene allows.
     """
     from pysprings.cli.folders import refuse_no_folder
-    from pysprings.core.progress import reporter
     from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.scene.load import load_scene
     from pysprings.studies.capacity import study

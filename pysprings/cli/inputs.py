@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import refuse, to_stderr
+from pysprings.core.errors import PyspringsError
 from pysprings.core.files.written import is_unfinished
 
 if TYPE_CHECKING:
@@ -50,7 +51,6 @@ def refuse_unfinished(result: Path, strict: bool = False) -> None:
 
 def _are_of(folder: Path, record: RunRecord) -> bool:
     """Return whether the checkpoints in a folder are those of its run, or of the same run with more harmonics."""
-    from pysprings.core.errors import PyspringsError
     from pysprings.full_model.checkpoint import Checkpoints
     from pysprings.scene.load import parse_scene
 

@@ -13,6 +13,7 @@ from pysprings.cli.atlas import SHIPPED_ATLASES
 from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, formats_of
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 from pysprings.core.columns import Column, Table
+from pysprings.core.errors import following
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,7 +82,6 @@ def size(
 
 
 def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -> list[Path]:
-    from pysprings.core.errors import following
     from pysprings.results.exporters.csv import write_frame
     from pysprings.results.plots.files import redraw
     from pysprings.studies.sizing.search import candidates, table_of

@@ -14,6 +14,7 @@ from pysprings.cli.options import Format, Json
 from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
 from pysprings.core.columns import Table
 from pysprings.core.errors import RunIncomplete
+from pysprings.core.progress import reporter
 
 if TYPE_CHECKING:
     from pysprings.studies.sweep.study import Study
@@ -58,7 +59,6 @@ def sweep(
     reason, and end the command with exit code 3.
     """
     from pysprings.cli.folders import refuse_no_folder
-    from pysprings.core.progress import reporter
     from pysprings.studies.sweep import study as studies
     from pysprings.studies.sweep.study_file import read_study
     from pysprings.studies.sweep.worker import Place

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from pysprings.core.errors import PyspringsError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
 from pysprings.core.words import MeshPreset
@@ -52,7 +53,6 @@ def summary(
 
     ``comparison`` and ``springs`` are left out where too little converged for springs.
     """
-    from pysprings.core.errors import PyspringsError
     from pysprings.scene.load import parse_scene
 
     try:
@@ -106,7 +106,6 @@ def _loads(run: Run) -> str:
 
 def _vertical(run: Run) -> str:
     """Give V at rest, and the largest vertical loads that the springs carry; empty without vertical springs."""
-    from pysprings.core.errors import PyspringsError
     from pysprings.macro.model import MacroModel
     from pysprings.macro.vertical_answer import largest_vertical
 
@@ -146,7 +145,6 @@ def _tilt(run: Run) -> str:
 
 def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | None:
     """Return the answer of the springs to a load, extrapolated where they do not reach; None without equilibrium."""
-    from pysprings.core.errors import PyspringsError
     from pysprings.macro.predict import MacroWarning, predict
 
     try:

@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pysprings.core.text import json_text
 from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target, write_text_file
 
 if TYPE_CHECKING:
@@ -86,7 +87,6 @@ def csv_text(frame: pd.DataFrame) -> str:
 
 def springs_text(source: Source, _options: Options) -> str:
     """Return the spring set as strict JSON text (SI)."""
-    from pysprings.core.text import json_text
     from pysprings.springs.path import paths_of
 
     springs = source.springs

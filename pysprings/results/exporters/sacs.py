@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, table_options
+from pysprings.results.exporters.base import ZONE, Exported, Exporter, Option, Options, Source, Target, table_options
 
 if TYPE_CHECKING:
     import numpy as np
@@ -220,7 +220,6 @@ def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
 
 def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
     """Return the lines of the cards, and the sentences on what is lost."""
-    from pysprings.results.exporters.base import ZONE
     from pysprings.results.exporters.header import springs_at
     from pysprings.results.exporters.uniaxial.sets import uniaxial
 

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from pysprings.core.errors import refused
 from pysprings.core.registry import Registry
+from pysprings.macro.spring_sets import SPRING_SETS, with_stored
 from pysprings.results.analysis.parts import path_data, path_names, pick_step, section_data
 from pysprings.results.exporters.base import Source
 from pysprings.results.plots import (
@@ -69,7 +70,6 @@ class _Predictions(Mapping[str, xr.Dataset]):
 
     @cached_property
     def answers(self) -> Mapping[str, xr.Dataset]:
-        from pysprings.macro.spring_sets import with_stored
         from pysprings.springs.extract import extract_springs
 
         springs = with_stored(extract_springs(self.tree)) if is_result(self.tree) else self.tree
@@ -129,8 +129,6 @@ def draw(
 
 def drawable(tree: xr.DataTree) -> list[str]:
     """Return the names of the pictures that a tree has the data for; predictions count as there, and are not made."""
-    from pysprings.macro.spring_sets import SPRING_SETS
-
     answers = dict.fromkeys(SPRING_SETS.names(), xr.Dataset())
     return [
         picture.name

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import version
 from pysprings.core.columns import Table
+from pysprings.core.files.storage import read_tree, write_text
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.core.registry import Registry
 from pysprings.full_model.run_record import RunRecord
@@ -179,8 +180,6 @@ def write_report(
     Whatever is not given is read from the folder: full_model.nc, springs.nc, compare.csv, run.json, design.csv
     (answers to load cases) and the pictures in its subfolder ``figures``. Only the result is needed.
     """
-    from pysprings.core.files.storage import read_tree, write_text
-
     place = Path(folder)
     result = open_result(place) if result is None else result
     if springs is None and (place / "springs.nc").exists():

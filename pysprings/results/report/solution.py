@@ -12,7 +12,7 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.ring_measure import contact_alternation
 from pysprings.full_model.run_record import PathFigures
-from pysprings.results.analysis.parts import attempts, failed_steps
+from pysprings.results.analysis.parts import attempts, failed_steps, openings
 from pysprings.results.report.inputs import ReportTable
 
 
@@ -169,8 +169,6 @@ def _at_tilt(limit: float, turn: np.ndarray, path: Any, good: np.ndarray) -> tup
 
 def opening_table(paths: Mapping[str, Any]) -> Table | None:
     """List the widest gap at the last converged step of each path; None where interface fields were not kept."""
-    from pysprings.results.analysis.parts import openings
-
     rows = []
     for name, group in paths.items():
         path = group.to_dataset(inherit=False)

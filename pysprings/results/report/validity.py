@@ -14,7 +14,9 @@ from pysprings.core.text import number
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS
 from pysprings.results.report.inputs import ReportTable
+from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import end_of
+from pysprings.springs.sums import balance
 
 
 def equilibrium_table(tree: xr.DataTree) -> Table:
@@ -22,9 +24,6 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
 
     Missing: the sum of the soil reactions less the applied load (`pysprings.springs.sums.balance`).
     """
-    from pysprings.springs.path import paths_of
-    from pysprings.springs.sums import balance
-
     rows = []
     for name, recorded in paths_of(tree).items():
         path = recorded.dataset

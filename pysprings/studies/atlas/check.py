@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import PyspringsError, UserInputError, refused
 from pysprings.macro.fan_springs import BAND
 from pysprings.scene.load import SceneText
+from pysprings.springs.springs import Springs
 from pysprings.studies.atlas.samples import scenes
 
 if TYPE_CHECKING:
@@ -58,8 +59,6 @@ def held_back(atlas: Atlas, data: xr.Dataset, at: tuple[float, ...] = AT) -> pd.
 
 
 def _case(atlas: Atlas, case: xr.Dataset, scene: Scene, at: tuple[float, ...]) -> Iterator[dict[str, Any]]:
-    from pysprings.springs.springs import Springs
-
     try:
         springs = Springs.of(atlas.springs(_plain(atlas, scene)))
     except UserInputError as error:

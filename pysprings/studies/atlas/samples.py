@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.macro.fan import secant_slopes
 from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene
@@ -152,8 +153,6 @@ def _rows(data: xr.Dataset, force: Array, stretch: Array, L: Array) -> Array:
 def _on_grid(X: Array, own: Array, rows: Array) -> Array:
     """Return rows (ray, row, share) at own X (ray, share) on the grid, over X: NaN beyond, linear below the first."""
     from scipy.interpolate import CubicHermiteSpline
-
-    from pysprings.macro.fan import secant_slopes
 
     out = np.full((*rows.shape[:2], X.size), np.nan)
     for ray, (x, r) in enumerate(zip(own, rows, strict=True)):

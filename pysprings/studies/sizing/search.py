@@ -17,10 +17,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete, refused
+from pysprings.full_model.run_record import Status
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.fan_springs import BAND
 from pysprings.results.plots.style import BLUE, GREY, VERMILLION, new_figure, styled
 from pysprings.scene.changes import Change, vertical_load
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -282,8 +284,6 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     (both errors within 1.96 deviations), tilt_used by the full model. NaN where the full model stopped before the load.
     """
     from pysprings.full_model.compute import run
-    from pysprings.full_model.run_record import Status
-    from pysprings.springs.path import paths_of
 
     wanted = replace(wanted, cases=wanted.cases.bounded(0.5 * candidate.D))
     cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)

@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import replacing
@@ -279,8 +281,6 @@ def _largest(values: np.ndarray) -> np.ndarray:
 
 def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
     """Open study.nc, or that of a folder, without reading its arrays; close it after use."""
-    import xarray as xr
-
     file = Path(path) / FILE if Path(path).is_dir() else Path(path)
     if not file.exists():
         raise refused(None, "no such file; `pysprings sweep` writes it", file)
@@ -310,8 +310,6 @@ CSV, SUFFIXES = "study.csv", (".csv", ".xlsx")
 
 def table_of(data: xr.Dataset) -> pd.DataFrame:
     """Return a row a case: number, axes, status and quantities of one number, with units in the headings."""
-    import pandas as pd
-
     number = data["case_number"]
     columns = {name: data[name] for name in (*str(data.attrs["axes"]).split(", "), "status")} | dict(scalars(data))
     table: dict[str, Any] = {"id": number.values.reshape(-1).astype(int)}

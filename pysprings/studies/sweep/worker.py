@@ -22,7 +22,9 @@ from pathlib import Path
 from typing import Any
 
 from pysprings.core.errors import PyspringsError, ResourceError, RunIncomplete, UserInputError, shortened
+from pysprings.core.files.storage import write_text
 from pysprings.core.version import __version__
+from pysprings.scene.load import parse_scene
 from pysprings.studies.sweep.plan import DONE, FAILED, SHORT, STOPPED
 
 _SHARE = 0.9  # of the memory of this machine, for all workers
@@ -231,8 +233,6 @@ def _run(task: Task, folder: Path) -> Answer:
 
 def write_ended(folder: Path, ended: Ended) -> None:
     """Mark a case as ended."""
-    from pysprings.core.files.storage import write_text
-
     write_text(json.dumps(asdict(ended)) + "\n", folder / ENDED)
 
 
@@ -240,7 +240,6 @@ def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
     """Run the full model; return status, reason and the number of the scene."""
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.folder import Writing, run_or_go_on
-    from pysprings.scene.load import parse_scene
 
     scene = parse_scene(task.scene)
     with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings

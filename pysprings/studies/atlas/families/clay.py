@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem
+from pysprings.scene.by_depth import ByDepth
 from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ Array = NDArray[np.float64]
 
 def strength(scene: Scene) -> tuple[float, float]:
     """Return su at mudline [Pa] and its gradient [Pa/m]."""
-    from pysprings.scene.by_depth import ByDepth
-
     su = first_layer(scene).undrained_shear_strength
     if isinstance(su, ByDepth):
         return float(su.top or 0.0), float(su.gradient or 0.0)
@@ -71,8 +70,6 @@ def _sizes(scene: Scene) -> Sizes:
 
 def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
     """Yield a problem for a strength that is not linear, or an adhesion that differs between surfaces."""
-    from pysprings.scene.by_depth import ByDepth
-
     su = first_layer(scene).undrained_shear_strength
     if isinstance(su, ByDepth) and (su.gradient is None or not su.top):
         text = "the atlas needs { top, gradient } with a top above zero, or one value"
