@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs of several estimates of one scene: what must hold before, and what is shown after."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings springs`, `export` and `soildyn`: springs and results as files for people and programs."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 from typing import Annotated, NoReturn

@@ -5,8 +5,6 @@ Degrees of freedom of the caisson: u, w, rotation; loads H, V, M in the same ord
 it in six: `MOTIONS`, `LOADS`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Values of a layer of soil that vary with depth or with the initial stress, and the field that reads them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Values that replace those of a scene file: `soil.young_modulus="80 MPa"`, `path.pull.arm="5 m"`."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass

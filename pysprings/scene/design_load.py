@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The design load of a scene, which the summary of a run answers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Annotated

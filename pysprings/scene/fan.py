@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The fan of load paths that a scene asks for by its reach."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise, product

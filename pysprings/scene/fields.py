@@ -5,8 +5,6 @@ Each is a pydantic annotation, `radius: Annotated[float, Quantity("m", "(0, 1e4]
 a dimensional value must be a text with its unit; from Python an SI number will do as well.
 """
 
-from __future__ import annotations
-
 import difflib
 import math
 import re

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Adhesion and opening of the interface by surface and depth, and what they need of the ground."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -6,8 +6,6 @@ A key path is a tuple of names and list indices: `("path", 0, "report_at", 1)` i
 keys, tables, inline tables, lists and strings are followed.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from bisect import bisect_right

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Points by depth -> layers that are linear between them; points on a straight line make one layer."""
 
-from __future__ import annotations
-
 import itertools
 import warnings
 from typing import Any

@@ -17,8 +17,6 @@ A row with su, without law and friction angle, is Tresca clay, unless [soil] nam
 beside an effective one is not used.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache

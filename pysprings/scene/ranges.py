@@ -5,8 +5,6 @@ The value is picked where a scene is read, before anything is checked: nothing b
 ranges. What the other two estimates would give is checked, too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All sections of a scene, and what follows from them together."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Self, cast

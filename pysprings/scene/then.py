@@ -6,8 +6,6 @@ Under given loads, and after a swipe, an entry may be a pair: "1 MN, 4 MN m" are
 towards +y. "V 3 MN" is a vertical load: the quantity that the path imposes stays meanwhile.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A scene as TOML text, with units, such that loading it gives an equal scene."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Iterator

@@ -6,8 +6,6 @@ deviations over `SCATTER` squared; a further layer must lower the sum by `PRICE`
 exactly, by dynamic programming over cells.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A proposal as text, as a document, and as the table that a person edits and `soil.profile` reads."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterator, Sequence

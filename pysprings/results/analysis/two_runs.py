@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Two runs beside each other: what differs in their scenes, initial stiffness, paths and limit loads."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

@@ -5,8 +5,6 @@ Directions are angles in the plane of H and M/D. Springs and full model are odd 
 plane is enough: from 90 degrees (a moment as by a load above mudline) over 0 (a force at mudline) towards -90.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

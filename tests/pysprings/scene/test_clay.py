@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Undrained clay in a scene: values by depth, what is refused, text and numbers of a scene, adhesion factors."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

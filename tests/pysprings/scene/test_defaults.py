@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a scene leaves out: refused, or listed with its value; and what is unlikely in what it gives."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

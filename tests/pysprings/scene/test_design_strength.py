@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Partial factors on strength: tan phi, cohesion, su and the friction of the interface; stiffness stays."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

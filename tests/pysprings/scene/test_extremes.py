@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The extremes a scene may hold are accepted and give a sound model; one step further is refused with the range."""
 
-from __future__ import annotations
-
 import json
 from types import ModuleType
 from typing import Any

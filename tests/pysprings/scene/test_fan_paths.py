@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Paths that `[springs]` makes: rays and rays that turn back under each vertical load and rate."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

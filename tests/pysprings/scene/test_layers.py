@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Layers of the soil: values by depth, geostatic stress, text and numbers of a scene, refusals with their places."""
 
-from __future__ import annotations
-
 import pickle
 import re
 

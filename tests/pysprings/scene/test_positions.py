@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Places of keys and values in TOML: by hand, and against tomllib on generated documents."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

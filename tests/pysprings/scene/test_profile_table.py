@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Layers from tables: groundhog's columns in CSV and Excel, other separators, and what is refused."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Values with low, best and high: the estimate picks one of them in scenes and tables; wrong ranges are refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

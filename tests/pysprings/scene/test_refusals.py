@@ -2,8 +2,6 @@
 # ruff: noqa: E501  (messages are compared whole, on one line)
 """Every refusal of a scene, once, with the exact message and place; hostile files end in messages."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -4,8 +4,6 @@
 The numbers of groundhog (B. Stuyts, GPL 3) are results of its functions for the rows below; none of its code is here.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
