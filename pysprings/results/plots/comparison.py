@@ -17,8 +17,7 @@ from pysprings.macro.cycles import Followed, cycles
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import Control
 from pysprings.results.analysis.parts import converged
-from pysprings.results.plots.data import unit_text
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Picture, unit_text
 from pysprings.results.plots.style import (
     BLUE,
     GREEN,

@@ -14,8 +14,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import Opening, openings, pick_step, plan_gap, skirt_gap
-from pysprings.results.plots.data import step_text
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Picture, step_text
 from pysprings.results.plots.style import (
     BLUE,
     DEG,

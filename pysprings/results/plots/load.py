@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
-from pysprings.results.plots.data import abscissa, spread_depths, unit_text
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Picture, abscissa, spread_depths, unit_text
 from pysprings.results.plots.profiles import MOST_CURVES, depth_colours
 from pysprings.results.plots.style import (
     BLUE,

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
-from pysprings.results.plots.data import depth_words, lateral_reaction, pick_depths, spread_depths
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Picture, depth_words, lateral_reaction, pick_depths, spread_depths
 from pysprings.results.plots.style import (
     DEPTH_COLOURS,
     GREY,

@@ -19,8 +19,7 @@ from matplotlib.patches import Circle, Patch, Wedge
 from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import pick_step
-from pysprings.results.plots.data import depth_words, pick_depths, step_text
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Picture, depth_words, pick_depths, step_text
 from pysprings.results.plots.style import (
     DEG,
     GREY,

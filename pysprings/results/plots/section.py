@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import pick_step
-from pysprings.results.plots.data import caisson_size, step_text
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Picture, caisson_size, step_text
 from pysprings.results.plots.style import (
     INK,
     KPA,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pysprings.core.path_kinds import driven
-from pysprings.results.plots.data import abscissa
+from pysprings.results.plots.picture import abscissa
 from pysprings.results.plots.style import (
     BLUE,
     DEG,

@@ -20,7 +20,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.registry import Registry
 from pysprings.results import layout, plots
 from pysprings.results.analysis import parts
-from pysprings.results.plots import data, files, gap, rose, section
+from pysprings.results.plots import files, gap, picture, rose, section
 from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import View
 from pysprings.results.plots.profiles import PANELS
@@ -174,7 +174,7 @@ def test_unconverged_steps_are_crosses_and_no_part_of_a_curve(pull: xr.Dataset) 
 def test_depths_of_py_curves_stand_in_one_key(pull: xr.Dataset) -> None:
     pull["converged"][24] = 0
     figure = plots.py_curves(pull, depths=[0.4])
-    ring = data.pick_depths(pull, [0.4])[0]
+    ring = picture.pick_depths(pull, [0.4])[0]
     words = [f"{float(pull['depth'][ring]):.2f} m", "not converged"]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == words
 
@@ -231,9 +231,9 @@ def test_py_panels_hold_net_and_sides(pull: xr.Dataset) -> None:
 
 def test_py_from_springs_equals_py_from_the_result(pull: xr.Dataset, trees: tuple[xr.DataTree, xr.DataTree]) -> None:
     springs = plots.path_data(trees[1], "pull")
-    assert set(data.lateral_reaction(pull)) >= {"net", "outside", "inside"}
-    for side, p in data.lateral_reaction(pull).items():
-        np.testing.assert_allclose(data.lateral_reaction(springs)[side], p, rtol=1e-12, atol=1e-6)
+    assert set(picture.lateral_reaction(pull)) >= {"net", "outside", "inside"}
+    for side, p in picture.lateral_reaction(pull).items():
+        np.testing.assert_allclose(picture.lateral_reaction(springs)[side], p, rtol=1e-12, atol=1e-6)
 
 
 # ---------------------------------------------------------------- rose
@@ -242,7 +242,7 @@ def test_py_from_springs_equals_py_from_the_result(pull: xr.Dataset, trees: tupl
 def test_rose_follows_the_papers_rule(pull: xr.Dataset) -> None:
     """Radius = trace + scale * stress / initial at every station and at its mirror image."""
     figure = plots.stress_rose(pull, displacement=2.5e-3, side="outside")
-    step, rings = parts.pick_step(pull, displacement=2.5e-3), data.pick_depths(pull)
+    step, rings = parts.pick_step(pull, displacement=2.5e-3), picture.pick_depths(pull)
     assert len(rings) == 4
     field = pull["normal_effective_stress"].sel(side="outside").transpose("step", "azimuth", "depth").values
     scale = initial_circle(figure, 0) - rose.TRACE
@@ -274,7 +274,7 @@ def shaded(figure: Figure, panel: int) -> list[tuple[float, float]]:
 
 
 def test_gap_zones_are_shaded_exactly_where_the_stress_is_zero(pull: xr.Dataset) -> None:
-    rings = data.pick_depths(pull)
+    rings = picture.pick_depths(pull)
     field = pull["normal_effective_stress"].transpose("step", "side", "azimuth", "depth")
     field[24, 0] = np.maximum(field[24, 0], 1.0)  # no gap, then two zones on the first ring
     field[24, 0, [3, 4, 16], rings[0]] = 0.0
@@ -302,7 +302,7 @@ def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
 
 def test_depths_default_to_the_papers(pull: xr.Dataset) -> None:
     fine = xr.Dataset({"y": ("depth", np.zeros(81))}, {"depth": np.linspace(0, 4, 81)}, {"skirt_length_m": 4.0})
-    assert fine["depth"].values[data.pick_depths(fine)].tolist() == pytest.approx([0.25, 1.25, 2.25, 3.25])
+    assert fine["depth"].values[picture.pick_depths(fine)].tolist() == pytest.approx([0.25, 1.25, 2.25, 3.25])
 
 
 def test_depths_that_are_not_there_are_named_or_refused(pull: xr.Dataset) -> None:
@@ -380,7 +380,7 @@ def test_mesh_draws_every_cell_and_leaves_the_caisson_out(plane: xr.Dataset) -> 
 
 def test_caisson_is_measured_in_the_section(plane: xr.Dataset) -> None:
     bare = plane.drop_attrs()
-    np.testing.assert_allclose(data.caisson_size(bare), (3.8, 3.9, 4.0))
+    np.testing.assert_allclose(picture.caisson_size(bare), (3.8, 3.9, 4.0))
 
 
 def test_section_displacement_is_drawn_at_the_nodes_in_mm(pull: xr.Dataset, plane: xr.Dataset) -> None:
