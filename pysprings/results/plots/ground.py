@@ -58,7 +58,6 @@ def _scene(text: str) -> Scene | None:
 
 def _applies(view: View) -> bool:
     """Return whether the ground of the run differs from depth to depth, or is undrained clay."""
-
     scene = _scene(str(view.result.attrs.get("scene_toml", "")))
     return scene is not None and not (scene.ground.is_uniform and not scene.ground.total_stress)
 
@@ -69,7 +68,6 @@ def ground_profile(view: View) -> Figure:
 
     Raises ValueError where the result does not hold its scene.
     """
-
     scene = _scene(str(view.result.attrs.get("scene_toml", "")))
     if scene is None:
         raise ValueError("the result does not hold its scene")

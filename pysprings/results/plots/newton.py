@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The Newton record of a path: iterations by increment with cut-backs, and every residual."""
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -12,6 +14,8 @@ from matplotlib.ticker import MaxNLocator
 from pysprings.results.analysis.parts import Attempt, attempts, failed_steps
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
+
+LOST = {"color": VERMILLION, "hatch": "////", "gid": "cut back"}  # bars of attempts that were given up
 
 
 @styled
@@ -44,17 +48,8 @@ def _bars(axes: Axes, tries: list[Attempt]) -> None:
     height: dict[int, int] = {}
     for each in tries:
         base = height.get(each.step, 0)
-        axes.bar(
-            each.step,
-            each.iterations,
-            bottom=base,
-            width=0.8,
-            color=BLUE if each.accepted else VERMILLION,
-            edgecolor="white",
-            linewidth=0.6,
-            hatch=None if each.accepted else "////",
-            gid="accepted" if each.accepted else "cut back",
-        )
+        look: Any = {"color": BLUE, "gid": "accepted"} if each.accepted else LOST
+        axes.bar(each.step, each.iterations, bottom=base, width=0.8, edgecolor="white", linewidth=0.6, **look)
         height[each.step] = base + each.iterations
     axes.set(
         xlabel="increment (0 and below: dead load)" if min(height, default=1) < 1 else "increment", ylabel="iterations"
@@ -84,17 +79,8 @@ def _residuals(axes: Axes, record: xr.Dataset, tries: list[Attempt]) -> None:
             linewidth=1.0,
             gid="accepted" if each.accepted else "cut back",
         )
-    handles = [
-        Line2D(
-            [],
-            [],
-            color=BLUE,
-            marker="o",
-            markersize=3.5,
-            linewidth=1.0,
-            label="one increment (two blues in turn)",
-        )
-    ]
+    dots: Any = {"color": BLUE, "marker": "o", "markersize": 3.5, "linewidth": 1.0}
+    handles = [Line2D([], [], label="one increment (two blues in turn)", **dots)]
     if any(not each.accepted for each in tries):
         handles.append(Line2D([], [], color=VERMILLION, marker="x", linewidth=1.0, label="given up"))
     if "tolerance" in record.attrs:

@@ -50,19 +50,10 @@ def mesh(section: xr.Dataset) -> Figure:
         _label_axes(axes)
     whole.set_title("whole section")
     whole.set_ylim(top=-1.6)
-    frame = _zoom(near, section, 1.6, 1.8)
+    left, right, top, bottom = _zoom(near, section, 1.6, 1.8)
     near.set_title("near the caisson (frame above)")
-    whole.add_patch(
-        Rectangle(
-            (frame[0], frame[2]),
-            frame[1] - frame[0],
-            frame[3] - frame[2],
-            fill=False,
-            edgecolor=VERMILLION,
-            linewidth=1.5,
-            zorder=6,
-        )
-    )
+    look: Any = {"fill": False, "edgecolor": VERMILLION, "linewidth": 1.5, "zorder": 6}
+    whole.add_patch(Rectangle((left, top), right - left, bottom - top, **look))
     _load_arrow(near, section)
     set_title(figure, "Mesh in the symmetry plane", section.attrs, _mesh_counts(section))
     return figure
@@ -174,19 +165,8 @@ def caisson_polygon(section: xr.Dataset) -> NDArray[np.float64]:
     """Return the outline of the caisson in the symmetry plane, shape (9, 2): x and depth [m]."""
     inner, outer, length = caisson_size(section)
     top = -float(section.attrs.get("lid_thickness_m", 2 * LID_SHARE * outer))
-    return np.array(
-        [
-            (-outer, top),
-            (outer, top),
-            (outer, length),
-            (inner, length),
-            (inner, 0.0),
-            (-inner, 0.0),
-            (-inner, length),
-            (-outer, length),
-            (-outer, top),
-        ]
-    )
+    right = [(outer, top), (outer, length), (inner, length), (inner, 0.0)]
+    return np.array([(-outer, top), *right, *((-x, z) for x, z in reversed(right))])
 
 
 def _draw_caisson(axes: Axes, section: xr.Dataset) -> None:
