@@ -81,14 +81,18 @@ class Register(Generic[Law]):
         include(file for file in files if not file.is_relative_to(HOME))
         self._laws.append(law)
 
-    def chain(self, name: str, arguments: str, module: str, codes: Sequence[int] | None = None) -> Any:
+    def chain(
+        self, name: str, arguments: str, module: str, codes: Sequence[int] | None = None, default: Any = None
+    ) -> Any:
         """Return a jitted function ``name(code, arguments)`` that calls the function ``name`` of the law of that code.
 
         No law can be added afterwards. ``module`` is the module that keeps the function. ``codes``: those of the laws
-        that are called, by default all; the function then has a name of its own. Others are not compiled.
+        that are called, by default all; the function then has a name of its own. Others are not compiled. ``default``
+        stands in for laws whose ``name`` is None.
         """
         self._closed = True
-        choices = {code: getattr(law, name) for code, law in enumerate(self._laws) if codes is None or code in codes}
+        wanted = [code for code in range(len(self._laws)) if codes is None or code in codes]
+        choices = {code: getattr(self._laws[code], name) or default for code in wanted}
         return _chain(name if codes is None else f"{name}_{suffix(codes)}", arguments, choices, module)
 
 

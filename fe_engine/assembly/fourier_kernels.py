@@ -17,10 +17,9 @@ from fe_engine.contact.dispatch import linearise_contact, update_contact
 from fe_engine.contact.law import Slide
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.fourier import add_amplitudes, add_force, amplitudes, strain_at
-from fe_engine.soil.dispatch import of_laws, update_soil
+from fe_engine.soil.dispatch import of_laws, relax_soil, update_soil
 from fe_engine.soil.elastic import stored_density, subtract_elastic_tangent
 from fe_engine.soil.law import Point
-from fe_engine.soil.viscous import relax
 
 
 class Soil(NamedTuple):
@@ -124,7 +123,8 @@ def _point_forces(soil, at, states, with_tangent, out, room):
             return status
         regime[e, point] = what
         if soil.relaxed < 1.0 and what != REGIME_ELASTIC:
-            relax(moduli, soil.relaxed, strain, before, after)  # Duvaut & Lions 1972
+            # Duvaut & Lions 1972
+            relax_soil(code, p, moduli, soil.relaxed, strain, before, after, c, with_tangent)
         for i in range(6):
             # the initial stress is in equilibrium (docs/theory/soil.md)
             change[i] = after.stress[i] - soil.initial_stress[e, point, i]

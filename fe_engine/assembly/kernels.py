@@ -16,10 +16,9 @@ from fe_engine.assembly.scatter import scatter_force, scatter_stiffness
 from fe_engine.compiled import lean, njit
 from fe_engine.conventions import OK, REGIME_ELASTIC
 from fe_engine.elements.hex8 import add_force, add_stiffness, b_bar, strain_at
-from fe_engine.soil.dispatch import of_laws, update_soil
+from fe_engine.soil.dispatch import of_laws, relax_soil, update_soil
 from fe_engine.soil.elastic import elastic_tangent, stored_density, subtract_elastic_tangent
 from fe_engine.soil.law import Point
-from fe_engine.soil.viscous import relax
 
 BATCH = 4096  # elements; the fewer batches, the less threads wait for each other; 19 MB of blocks
 CHUNK = 16  # elements of one call
@@ -131,9 +130,7 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
     hexes, gradients, mean_gradients, volumes, laws, parameters, moduli, rest, frame_of, frames, relaxed = elements
     forces, stiffnesses, changes, statuses, regimes = blocks
     move = np.empty((8, 3))
-    strain = np.empty(6)
-    change = np.empty(6)
-    tangent = np.empty((6, 6))
+    strain, change, tangent = np.empty(6), np.empty(6), np.empty((6, 6))
     b = np.zeros((6, 24))
     cb = np.empty((6, 24))
     for slot in range(first, last):
@@ -145,15 +142,16 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
         force[:] = 0.0
         for g in range(8):
             row = row_of(moduli, g)
+            p, own = parameters[e, row], moduli[e, row]
             strain_at(gradient[g], mean_gradient, move, strain)  # B-bar, Hughes 1980
             before, after = Point(stress_old[g], history_old[g]), Point(stress[g], history[g])
-            status, what = update_soil(laws[e], parameters[e, row], strain, before, after, tangent, with_tangent)
+            status, what = update_soil(laws[e], p, strain, before, after, tangent, with_tangent)
             if status != OK:
                 statuses[e] = status
                 break
             regime[g] = what
-            if relaxed < 1.0 and what != REGIME_ELASTIC:
-                relax(moduli[e, row], relaxed, strain, before, after)  # Duvaut & Lions 1972
+            if relaxed < 1.0 and what != REGIME_ELASTIC:  # Duvaut & Lions 1972
+                relax_soil(laws[e], p, own, relaxed, strain, before, after, tangent, with_tangent)
             for i in range(6):
                 # the initial stress is in equilibrium (docs/theory/soil.md)
                 change[i] = stress[g, i] - initial_stress[g, i]
@@ -163,7 +161,7 @@ def _chunk(start, first, last, elements, old, new, with_tangent, blocks):
                     stiffness[:, :] = 0.0
                     changed = True
                 # C* - C; s of it counts with viscosity, see soil.viscous
-                subtract_elastic_tangent(moduli[e, row, 0], moduli[e, row, 1], tangent)
+                subtract_elastic_tangent(own[0], own[1], tangent)
                 b_bar(gradient[g], mean_gradient, b)
                 add_stiffness(b, tangent, relaxed * volume[g], cb, stiffness)
         changes[slot] = changed

@@ -29,7 +29,7 @@ import numpy as np
 from fe_engine.compiled import njit
 from fe_engine.conventions import OK, REGIME_ELASTIC, REGIME_STIFFNESS
 from fe_engine.soil import plasol
-from fe_engine.soil.elastic import add_elastic_stress
+from fe_engine.soil.elastic import add_elastic_stress, subtract_elastic_tangent
 from fe_engine.soil.frictional import SURFACES
 from fe_engine.soil.law import Point, SoilLaw
 
@@ -151,13 +151,23 @@ def by_strain(p, strain, old, new, slope):
 
 
 @njit
-def update(p, strain, old, new, tangent, with_tangent):
-    """Advance one point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
-    slope = np.empty(6)
-    strained = by_strain(p, strain, old.history[FIRST:], new.history[FIRST:], slope)
+def factor_of(p, strain, old, kept, gradient):
+    """Return c over an increment (6,); write the strain since the last turn (6,) and dc/d(strain) (6,)."""
+    strained = by_strain(p, strain, old.history[FIRST:], kept, gradient)
     volume = -(strain[0] + strain[1] + strain[2])
     pressed, rate = by_stress(p, -(old.stress[0] + old.stress[1] + old.stress[2]) / 3.0, strained * volume)
-    scaled, factor = p.copy(), strained * pressed  # c = c_g c_p
+    for j in range(6):
+        # dc/d(eps) = c_p dc_g + c_g dc_p, dc_p through c_g de_v
+        by_volume = volume * gradient[j] - (strained if j < 3 else 0.0)
+        gradient[j] = pressed * gradient[j] + strained * rate * by_volume
+    return strained * pressed  # c = c_g c_p
+
+
+@njit
+def update(p, strain, old, new, tangent, with_tangent):
+    """Advance one point by the strain increment (6,), see law.SoilLaw; return (status, regime)."""
+    gradient, scaled = np.empty(6), p.copy()
+    factor = factor_of(p, strain, old, new.history[FIRST:], gradient)
     scaled[BULK], scaled[SHEAR] = factor * p[BULK], factor * p[SHEAR]
     status, regime = _returned(int(p[SURFACE]), scaled, strain, old, new, tangent, with_tangent)
     if status != OK:
@@ -169,11 +179,32 @@ def update(p, strain, old, new, tangent, with_tangent):
         else:
             _by_difference(p, scaled, factor, strain, old, by_factor)
         for j in range(6):
-            # dc/d(eps) = c_p dc_g + c_g dc_p, dc_p through c_g de_v
-            turn = pressed * slope[j] + strained * rate * (volume * slope[j] - (strained if j < 3 else 0.0))
             for i in range(6):
-                tangent[i, j] += by_factor[i] * turn  # h dc/d(eps)
+                tangent[i, j] += by_factor[i] * gradient[j]  # h dc/d(eps)
     return OK, REGIME_STIFFNESS if regime == REGIME_ELASTIC else regime
+
+
+@njit
+def relax(p, moduli, share, strain, old, new, tangent, with_tangent):
+    """Relax a point towards its law from the trial stress of its own stiffness, see law.SoilLaw and `viscous`.
+
+    The strain since the last turn is no state that relaxes. With the elastic stiffness C that the loops assemble,
+    C + s (T - C) is s C* + (1 - s) C_tr where T = C* + (1 - s)/s (C_tr - C), C_tr = c C + (C : de) dc/d(eps).
+    """
+    rest, gradient, by_factor = 1.0 - share, np.empty(6), np.zeros(6)
+    factor = factor_of(p, strain, old, np.empty(6), gradient)
+    for i in range(6):
+        new.stress[i] = share * new.stress[i] + rest * old.stress[i]  # s sigma* + (1 - s) sigma_trial
+    add_elastic_stress(rest * factor * moduli[0], rest * factor * moduli[1], strain, new.stress)
+    for i in range(FIRST):
+        new.history[i] = share * new.history[i] + rest * old.history[i]
+    if with_tangent:
+        add_elastic_stress(moduli[0], moduli[1], strain, by_factor)
+        lost = (1.0 - factor) * rest / share
+        subtract_elastic_tangent(lost * moduli[0], lost * moduli[1], tangent)
+        for j in range(6):
+            for i in range(6):
+                tangent[i, j] += rest / share * by_factor[i] * gradient[j]
 
 
 @njit
@@ -188,4 +219,4 @@ def _by_difference(p, scaled, factor, strain, old, out):
             out[i] += sign * stress[i] / (2.0 * STEP * factor)
 
 
-LAW = SoilLaw("following", PARAMETERS, HISTORY, pack, initial_moduli, update)
+LAW = SoilLaw("following", PARAMETERS, HISTORY, pack, initial_moduli, update, relax)

@@ -12,6 +12,10 @@ SQRT3 = math.sqrt(3.0)
 EXPONENT = -0.229  # of Van Eekelen's section
 # The section of Van Eekelen's surface is convex up to here, rad
 MAX_FRICTION = math.radians(46.5)
+PER_INDEX = math.radians(3.0)  # of friction for each unit of I_R in triaxial compression, Bolton 1986
+MOST_INDEX = 4.0  # of I_R, Bolton 1986
+LEAST_PRESSURE = 1.0e3  # Pa, of I_R
+_ROUND = 0.1  # of I_R, over which its bounds are rounded
 
 
 def cone_slope(sine: float) -> float:
@@ -47,3 +51,11 @@ def turn(b: float, cos3: float, sin3: float) -> tuple[float, float]:
     along = 1.0 + b * cos3
     # ln rho = n ln(1 + b cos(3 theta)) + const., differentiated once and twice
     return 3.0 * EXPONENT * b * sin3 / along, 9.0 * EXPONENT * b * (cos3 + b) / (along * along)
+
+
+def dilatancy_index(density: float, crushing: float, pressure: float) -> float:
+    """Return I_R of a relative density and Q at a mean effective stress in Pa, compression positive."""
+    plain = density * (crushing - math.log(1.0e-3 * max(pressure, LEAST_PRESSURE))) - 1.0  # Bolton 1986
+    low = 0.5 * (plain + math.sqrt(plain * plain + _ROUND * _ROUND))
+    above = MOST_INDEX - low
+    return MOST_INDEX - 0.5 * (above + math.sqrt(above * above + _ROUND * _ROUND))

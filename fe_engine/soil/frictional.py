@@ -8,7 +8,7 @@ history is that of `plasol`.
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import plasol, van_eekelen
+from fe_engine.soil import plasol, sand, van_eekelen
 from fe_engine.soil.law import SoilLaw
 
-SURFACES: Register[SoilLaw] = Register("frictional surface", plasol.LAW, van_eekelen.LAW)
+SURFACES: Register[SoilLaw] = Register("frictional surface", plasol.LAW, van_eekelen.LAW, sand.LAW)

@@ -39,6 +39,9 @@ class SoilLaw:
         ``new`` (Point), and if ``with_tangent`` the consistent tangent (6, 6). A status other than OK stops the
         increment. It allocates nothing that can be avoided and calls jitted functions alone; where none of them makes
         an array, they are compiled by `compiled.lean`, else by `compiled.njit`.
+    relax : jitted function (p, moduli, share, strain, old, new, tangent, with_tangent) that turns the answer into the
+        viscous one, and the tangent T into one of which C + share (T - C) is consistent, see `viscous`; None for a law
+        whose elastic stiffness C is that of ``moduli``, K and G, at all times.
     symmetric : whether every tangent is symmetric and positive definite, so that half of the factors will do.
     yields : whether points can leave the elastic regime.
     isotropic : whether no direction is preferred; a law that is not prefers the vertical, z.
@@ -50,6 +53,7 @@ class SoilLaw:
     pack: Callable[..., np.ndarray]
     moduli: Callable[[np.ndarray], tuple[Any, Any]]
     update: Any
+    relax: Any = None
     symmetric: bool = False
     yields: bool = True
     isotropic: bool = True

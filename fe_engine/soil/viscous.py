@@ -10,7 +10,8 @@ Backward Euler over a step dt (Simo, Kennedy & Govindjee 1988, closed form) need
     sigma = sigma_trial + s (sigma* - sigma_trial),     q = q_old + s (q* - q_old),     C_T = C + s (C* - C).
 
 s = 1 is the law itself. As dt -> 0 the tangent becomes the elastic one, so that a small enough step has a solution
-however the law localises. In steady flow the overstress is T times the elastic stress rate of the plastic strain.
+however the law localises. A law whose stiffness changes has a trial stress of its own: `following`. In steady flow the
+overstress is T times the elastic stress rate of the plastic strain.
 """
 
 from __future__ import annotations
@@ -37,3 +38,9 @@ def relax(moduli, share, strain, old, new):
     add_elastic_stress(rest * moduli[0], rest * moduli[1], strain, new.stress)
     for i in range(len(old.history)):
         new.history[i] = share * new.history[i] + rest * old.history[i]  # q_old + s (q* - q_old)
+
+
+@lean
+def relax_point(p, moduli, share, strain, old, new, tangent, with_tangent):
+    """Relax a point of a law of constant stiffness, see law.SoilLaw: its tangent stays as it is."""
+    relax(moduli, share, strain, old, new)

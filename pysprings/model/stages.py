@@ -100,7 +100,7 @@ def viscous_displacement(scene: Scene, path: Path) -> float | None:
     Without one in the scene, paths in soil with friction have a small one.
     """
     given, strata = scene.solver.viscous_displacement, scene.ground.strata
-    if given is not None or PATH_KINDS[path.kind].force or any(each.stiffness_changes for each in strata):
+    if given is not None or PATH_KINDS[path.kind].force:
         return given
     if not any(SOIL_LAWS[each.law].yields and not each.total_stress for each in strata):
         return None

@@ -4,11 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from pysprings.core.path_kinds import CALIBRATION, MEMORY, PATH_KINDS, UNITS
 from pysprings.core.units import show
-from pysprings.scene.by_depth import follows_stress
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.extent import Extent
 from pysprings.scene.interface import drainage_clashes, interface_clashes
@@ -50,7 +48,6 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _series(scene)
     yield from _solver(scene.solver)
     yield from _viscous(scene.solver, scene.caisson)
-    yield from _viscous_stiffness(scene)
     if scene.drainage.mode == "coupled":
         yield from _pace(scene.springs)
     yield from _load_paths(scene)
@@ -139,22 +136,6 @@ def _viscous(solver: Solver, caisson: Caisson) -> Iterator[Clash]:
         bound = f"{_MOST_VISCOUS:g} of outer_diameter ({show(most, 'mm')})"
         text = f"{show(solver.viscous_displacement, 'mm')} is more than {bound}: the overstress would carry load"
         yield Clash(keys, text)
-
-
-def _viscous_stiffness(scene: SceneSections) -> Iterator[Clash]:
-    """Refuse viscosity where the stiffness changes: its overstress would be that of the initial stiffness."""
-    if scene.solver.viscous_displacement is None:
-        return
-    tables: tuple[Any, ...] = (scene.soil, *scene.soil.layers)
-    for number, layer in enumerate(tables):
-        here: KeyPath = ("soil", "layer", number - 1) if number else ("soil",)
-        for name in ("young_modulus", "shear_modulus"):
-            if follows_stress(getattr(layer, name)):
-                keys = ("solver", "viscous_displacement"), (*here, name)
-                yield Clash(keys, "cannot be used with a stiffness that follows the stress")
-        if layer.degradation_strain is not None:
-            keys = ("solver", "viscous_displacement"), (*here, "degradation_strain")
-            yield Clash(keys, "cannot be used with a stiffness that degrades")
 
 
 def _paths(paths: tuple[Path, ...]) -> Iterator[Clash]:

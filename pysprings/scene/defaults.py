@@ -137,6 +137,9 @@ def _defaults_in(scene: SceneSections, stratum: Stratum) -> Iterator[tuple[str, 
         if given[key] is None and (key in law.keys or key in ("poisson_ratio", "K0")):
             value = stratum.values[key]
             yield key, "by depth" if isinstance(value, ByDepth) else value
+    yield from law.derived(stratum).items()
+    if law.gives_stiffness and not {"young_modulus", "shear_modulus"} & {*stratum.values}:
+        yield "shear_modulus", "by density and stress"
 
 
 def _of_paths(scene: SceneSections) -> Iterator[Row]:

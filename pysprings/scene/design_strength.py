@@ -18,7 +18,9 @@ from typing import Any
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.scene.ground import at_rest
+from pysprings.scene.layers import laws_of
 from pysprings.scene.model import Scene
+from pysprings.scene.soils import SOIL_LAWS
 
 NAMES = {"tan_phi": "tan phi", "c": "c", "su": "su"}
 LARGEST = 5.0
@@ -57,7 +59,11 @@ class StrengthFactors:
 
 
 def with_design_strength(scene: Scene, factors: StrengthFactors) -> Scene:
-    """Return a scene with its strength divided by partial factors."""
+    """Return a scene with its strength divided by partial factors; refuse friction that has no key of its own."""
+    for law in laws_of(scene.soil) if factors.tan_phi != 1.0 else ():
+        if SOIL_LAWS[law].yields and SOIL_LAWS[law].friction not in ("", "friction_angle_final"):
+            text = f'law "{law}" has no friction angle to divide: give c= and su=, or a law with friction_angle_final'
+            raise UserInputError([Problem(key="--factor", message=text)])
     soil = scene.model_dump()["soil"]
     ground = scene.extent.ground
     tops = [layer["top"] for layer in soil["layers"]]
@@ -73,9 +79,11 @@ def with_design_strength(scene: Scene, factors: StrengthFactors) -> Scene:
 def _keep_initial_stress(soil: dict[str, Any]) -> None:
     """Put numbers in place of K0 = "auto", in place."""
     for table in soil["layers"] or [soil]:
-        own = {name: soil[name] if table[name] is None else table[name] for name in ("K0", "friction_angle_final")}
+        law = SOIL_LAWS[table.get("law") or soil["yield_surface"]]
+        own = {name: soil[name] if table[name] is None else table[name] for name in ("K0", law.friction) if name}
         if own["K0"] == "auto":
-            table["K0"] = at_rest(own["friction_angle_final"])
+            angle = own[law.friction]
+            table["K0"] = at_rest(law.defaults[law.friction] if angle is None else angle)
 
 
 def _reduce(table: dict[str, Any], factors: StrengthFactors, top: float, bottom: float) -> None:

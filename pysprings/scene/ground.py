@@ -17,7 +17,7 @@ from pysprings.scene.by_depth import ByDepth, Value, follows_stress
 from pysprings.scene.extent import Extent
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
-from pysprings.scene.soils.clay import REDUCTION, Pairs, factors_of, small_strain_modulus
+from pysprings.scene.soils.clay import REDUCTION, Pairs, factors_of
 from pysprings.scene.soils.law import SoilLaw
 
 _OF_ELASTIC = ("poisson_ratio", "K0", "effective_unit_weight", "hydraulic_conductivity")
@@ -59,17 +59,14 @@ class Stratum:
         """Return G (...,) in Pa at depths (...,) of this layer."""
         if "shear_modulus" in self.values:
             return self.value("shear_modulus", depth)
-        if "plasticity_index" in self.values:
-            given = "overconsolidation_ratio" in self.values
-            ratio = self.value("overconsolidation_ratio", depth) if given else 1.0
-            return small_strain_modulus(self.vertical_stress(depth), self.value("plasticity_index", depth), ratio)
-        if "rigidity_ratio" in self.values:
-            return self.value("rigidity_ratio", depth) * self.value("undrained_shear_strength", depth)
+        if "young_modulus" not in self.values:
+            return SOIL_LAWS[self.law].shear_modulus(self, depth)
         return self.value("young_modulus", depth) / (2.0 * (1.0 + self.value("poisson_ratio", depth)))
 
     def strength(self, depth: np.ndarray) -> np.ndarray:
         """Return what an adhesion factor refers to (...,) in Pa: su of undrained clay, the cohesion of another soil."""
-        return self.value(SOIL_LAWS[self.like or self.law].cap, depth)
+        cap = SOIL_LAWS[self.like or self.law].cap
+        return self.value(cap, depth) if cap in self.values else np.zeros(np.shape(depth))
 
     @property
     def total_stress(self) -> bool:
@@ -84,6 +81,8 @@ class Stratum:
     def exponent(self) -> float:
         """Exponent of the stress that the stiffness follows; 0 where it is frozen."""
         given = self.values.get("young_modulus", self.values.get("shear_modulus"))
+        if given is None:
+            return SOIL_LAWS[self.law].exponent(self)
         return float(given.exponent or 0.0) if isinstance(given, ByDepth) and follows_stress(given) else 0.0
 
     @property
@@ -115,7 +114,7 @@ class Stratum:
     def row(self, depth: float) -> dict[str, Any]:
         """Return what an engineer checks at a depth (m) of this layer, in SI; angles in degrees."""
         z = np.array(depth)
-        value = {name: float(self.value(name, z)) for name in self.values}
+        value = SOIL_LAWS[self.law].derived(self) | {name: float(self.value(name, z)) for name in self.values}
         row: dict[str, Any] = {
             "layer": self.name,
             "law": self.law,
@@ -132,7 +131,8 @@ class Stratum:
                 row |= {f"su_{name}_Pa": su * factor for name, factor in zip(names, factors, strict=True)}
         elif SOIL_LAWS[self.law].yields:
             row["friction_angle_deg"] = math.degrees(value[SOIL_LAWS[self.law].friction])
-            row["cohesion_Pa"] = value["cohesion"]
+            row["cohesion_Pa"] = value.get("cohesion", 0.0)
+            row |= {key: value[key] for key in ("relative_density",) if key in value}
         if self.stiffness_changes:
             row["stiffness_exponent"] = self.exponent
             row["degradation_strain"] = value.get("degradation_strain")

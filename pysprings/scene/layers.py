@@ -91,8 +91,11 @@ def _changing(here: KeyPath, table: Soil | Layer, laws: list[str], soil: Soil) -
     for name in ("young_modulus", "shear_modulus"):
         if constant and own and follows_stress(getattr(table, name, None)):
             text = f'follows: the stiffness of law "{constant[0]}" does not change'
-            yield Clash(((*here, name),), f'{text}; "drucker-prager" and "van-eekelen" follow')
-    for name, needed in (("degradation_limit", "degradation_strain"), ("overconsolidation_ratio", "plasticity_index")):
+            follow = ", ".join(f'"{law.name}"' for law in SOIL_LAWS.values() if law.changes_stiffness)
+            yield Clash(((*here, name),), f"{text}; it does in {follow}")
+    degrades = all(SOIL_LAWS[law].gives_stiffness for law in laws)
+    needs = {} if degrades else {"degradation_limit": "degradation_strain"}
+    for name, needed in (needs | {"overconsolidation_ratio": "plasticity_index"}).items():
         if name in given_keys(table) and (getattr(table, needed, None), getattr(soil, needed)) == (None, None):
             yield Clash(((*here, name),), f"needs a {needed}")
 
@@ -117,7 +120,7 @@ def missing(soil: Soil, mode: str) -> Iterator[Clash]:
         layer, law = soil.layers[number] if soil.layers else None, SOIL_LAWS[name]
         given = given_values(soil, layer)
         flows = not law.total_stress and (getattr(layer, "drainage", None) or mode) == "coupled"
-        needed = {law.stiffnesses[0]: law.stiffnesses} if law.stiffnesses else {}
+        needed = {} if law.gives_stiffness else {law.stiffnesses[0]: law.stiffnesses}
         needed |= {key: (key,) for key in law.needs}
         needed |= {"hydraulic_conductivity": ("hydraulic_conductivity",)} if flows else {}
         for key, instead in needed.items():

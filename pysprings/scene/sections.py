@@ -65,8 +65,8 @@ _QUANTITIES = {
 }  # fmt: skip
 _IMPOSED = tuple((name, _QUANTITIES[kind.imposed]) for name, kind in PATH_KINDS.items())
 _AT_REST = (
-    'initial horizontal over vertical effective stress; "auto" is 1 - sin(friction_angle_final); needed by soil with '
-    "friction, 1 where others do not give it"
+    'initial horizontal over vertical effective stress; "auto" is 1 - sin(friction_angle_final), of law sand 1 - '
+    "sin(critical_friction_angle); needed by soil with friction, 1 where others do not give it"
 )
 _E = Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa", optional=True)
 _NU = Number("[0, 0.5)", "Poisson ratio; 0.3 where not given, 0.495 of undrained clay", 0.3, optional=True,

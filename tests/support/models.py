@@ -89,8 +89,11 @@ def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
     """Return the material of SAND with some parameters changed; those that the law has."""
     names = ("young", "poisson", "phi_i", "phi_f", "b_phi", "psi", "cohesion")
     values: dict[str, Any] = dict(zip(names, SAND, strict=True)) | {"strength": 2.0e4} | changes
-    follows = {"pressure": 1.0e5, "exponent": 0.5, "strain": 5.0e-4, "least": 0.2}
+    follows = {"pressure": 1.0e5, "strain": 5.0e-4, "least": 0.2}
+    values |= {"phi_c": 33.0 * DEGREE, "density": 0.7, "crushing": 10.0, "exponent": 4.0, "scale": 0.015, "fade": 0.2}
+    values |= {"contraction": 0.4, "kappa_0": 0.0}
     values |= {"compression": 2.5e4, "direct_shear": 2.0e4, "extension": 1.2e4}
+    values |= {"exponent": 0.5} if law.name == "following" else {}
     values |= {"law": plasol.LAW, "rows": plasol.pack(*(values[name] for name in names))} | follows
     accepted = inspect.signature(law.pack).parameters
     return Material(law, law.pack(**{name: value for name, value in values.items() if name in accepted}))

@@ -17,7 +17,7 @@ from pysprings.scene.changes import read_changes
 from pysprings.scene.extent import PAPER
 from pysprings.scene.load import SceneText
 from pysprings.scene.sections import BY_LAYER, PAPER_SOIL, Soil
-from pysprings.scene.soils import SOIL_LAWS, STIFFNESSES
+from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.scene.toml import _pairs
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 0.5e-3}
@@ -41,7 +41,8 @@ def with_soil(given: dict[str, Any]) -> dict[str, Any]:
         del rest["young_modulus"]
     if given.get("K0") == "auto":
         del rest["friction_angle_initial"]  # by default that which holds the initial stress
-    return rest | given
+    foreign = {*LAW_KEYS} - {*law.keys, *law.unused} | ({"young_modulus"} if law.gives_stiffness else set())
+    return {name: value for name, value in rest.items() if name not in foreign} | given
 
 
 def only(**given: Any) -> dict[str, Any]:

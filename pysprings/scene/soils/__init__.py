@@ -9,10 +9,11 @@ from pysprings.scene.fields import Field
 from pysprings.scene.soils.clay import IwanClay, Tresca, VonMises
 from pysprings.scene.soils.friction import DruckerPrager, Elastic, IwanSand, VanEekelen
 from pysprings.scene.soils.law import SoilLaw
+from pysprings.scene.soils.sand import Sand
 
 SOIL_LAWS: dict[str, SoilLaw] = {
     law.name: law
-    for law in (DruckerPrager(), VanEekelen(), Elastic(), Tresca(), VonMises(), IwanClay(), IwanSand())
+    for law in (DruckerPrager(), VanEekelen(), Elastic(), Tresca(), VonMises(), IwanClay(), IwanSand(), Sand())
 }  # fmt: skip
 LAW_KEYS: Mapping[str, Field] = {name: key for law in SOIL_LAWS.values() for name, key in law.keys.items()}
 STIFFNESSES = tuple(dict.fromkeys(name for law in SOIL_LAWS.values() for name in law.stiffnesses))

@@ -189,6 +189,13 @@ class Tresca(SoilLaw):
             yield Clash(tuple(("soil", name) for name in names), text)
         yield from self._initial(soil, stresses)
 
+    def shear_modulus(self, stratum: Stratum, depth: np.ndarray) -> np.ndarray:
+        if "plasticity_index" not in stratum.values:
+            return stratum.value("rigidity_ratio", depth) * stratum.value("undrained_shear_strength", depth)
+        given = "overconsolidation_ratio" in stratum.values
+        ratio = stratum.value("overconsolidation_ratio", depth) if given else 1.0
+        return small_strain_modulus(stratum.vertical_stress(depth), stratum.value("plasticity_index", depth), ratio)
+
     def pack(self, stratum: Stratum, soil: Soil) -> np.ndarray:
         from fe_engine.soil import mobilised
 

@@ -35,6 +35,7 @@ class SoilLaw:
     yields : whether the soil can yield.
     total_stress : whether it is undrained clay in total stress, which has no pore pressure as unknown.
     changes_stiffness : whether its stiffness may follow the stress and degrade with strain.
+    gives_stiffness : whether it has a stiffness where the scene gives none.
     by_stress : whether its parameters follow the initial stress, so that they differ from point to point.
     """
 
@@ -50,6 +51,7 @@ class SoilLaw:
     total_stress: ClassVar[bool] = False
     changes_stiffness: ClassVar[bool] = False
     by_stress: ClassVar[bool] = False
+    gives_stiffness: ClassVar[bool] = False
 
     def faults(self, soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
         """Give what does not go together in a soil that stands between two vertical effective stresses (Pa)."""
@@ -58,6 +60,18 @@ class SoilLaw:
     def least_friction(self, k0: float) -> float:
         """Return the least initial friction angle (rad) that holds the geostatic stress of K0 without cohesion."""
         return 0.0
+
+    def shear_modulus(self, stratum: Stratum, depth: np.ndarray) -> np.ndarray:
+        """Return G (...,) in Pa at depths (...,) of a layer that gives neither modulus."""
+        raise KeyError("shear_modulus")
+
+    def exponent(self, stratum: Stratum) -> float:
+        """Return the exponent of the stress that the stiffness follows in a layer that gives neither modulus."""
+        return 0.0
+
+    def derived(self, stratum: Stratum) -> dict[str, float]:
+        """Return values of keys that follow from others in a layer that does not give them."""
+        return {}
 
     def word(self, stratum: Stratum) -> str:
         """Return the name of the engine's law of a layer."""

@@ -58,8 +58,9 @@ class Fit:
 def known_keys(stratum: Stratum) -> list[str]:
     """Return the keys of a layer that can be fitted: its numbers that its law uses."""
     law = SOIL_LAWS[stratum.law]
-    own = [name for name in (*law.stiffnesses, "poisson_ratio", *law.keys) if name in stratum.values]
-    return [name for name in dict.fromkeys(own) if _number(stratum.values[name]) is not None]
+    values = law.derived(stratum) | stratum.values
+    own = [name for name in (*law.stiffnesses, "poisson_ratio", *law.keys) if name in values]
+    return [name for name in dict.fromkeys(own) if _number(values[name]) is not None]
 
 
 def _number(value: Any) -> float | None:
@@ -95,7 +96,8 @@ def fit(
     """
     from scipy.optimize import least_squares
 
-    start = np.array([_number(stratum.values[key]) for key in keys], dtype=float)
+    values = SOIL_LAWS[stratum.law].derived(stratum) | stratum.values
+    start = np.array([_number(values[key]) for key in keys], dtype=float)
     low, high = np.array([bounds_of(key, value) for key, value in zip(keys, start, strict=True)]).T
     logs = (low > 0.0) & (start > 0.0)
 
@@ -106,7 +108,7 @@ def fit(
         return np.where(logs, np.exp(np.where(logs, c, 0.0)), c)
 
     def misfit(c: Array) -> Array:
-        changed = {key: _with(stratum.values[key], float(x)) for key, x in zip(keys, numbers(c), strict=True)}
+        changed = {key: _with(values[key], float(x)) for key, x in zip(keys, numbers(c), strict=True)}
         return _misfit(stratum, kind, depth, undrained, tests, changed)
 
     first, bounds = misfit(coordinates(start)), (coordinates(low), coordinates(high))
@@ -119,7 +121,7 @@ def fit(
     error = spread * np.where(logs, after, 1.0)
     near = np.minimum(found.x - bounds[0], bounds[1] - found.x) <= _AT_BOUND * (bounds[1] - bounds[0])
     fitted = tuple(_fitted(*each) for each in zip(keys, start, after, error, near, strict=True))
-    changed = {key: _with(stratum.values[key], float(x)) for key, x in zip(keys, after, strict=True)}
+    changed = {key: _with(values[key], float(x)) for key, x in zip(keys, after, strict=True)}
     return Fit(fitted, float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation, changed,
                found.status > 0)  # fmt: skip
 

@@ -277,7 +277,7 @@ def test_schema_speaks_of_toml_values() -> None:
     assert modulus["description"] == "Young modulus (in [0.001, 1e6] MPa)"
     assert re.match(modulus["pattern"], "200 MPa")
     assert not re.match(modulus["pattern"], "200")
-    laws = ["drucker-prager", "van-eekelen", "elastic", "tresca", "von-mises", "iwan-clay", "iwan-sand"]
+    laws = ["drucker-prager", "van-eekelen", "elastic", "tresca", "von-mises", "iwan-clay", "iwan-sand", "sand"]
     assert soil["yield_surface"]["enum"] == laws
     assert soil["poisson_ratio"] == {
         "description": "Poisson ratio; 0.3 where not given, 0.495 of undrained clay (in [0, 0.5))",

@@ -79,7 +79,6 @@ def test_the_scene_reads_itself_again_and_frozen_ones_keep_their_number() -> Non
         ('name = "sand"', 'law = "elastic"', r'young_modulus: follows: the stiffness of law "elastic" does not change'),
         ('young_modulus = "200 MPa"', "degradation_limit = 0.3", r"degradation_limit: needs a degradation_str"),
         ("2e-4", "0.5", r"degradation_strain: 0.5 is not in \[1e-6, 0.1\]"),
-        ('"5 kPa"', '"5 kPa"\n[solver]\nviscous_displacement = "0.001 mm"\n', r"viscous_displacement: cannot be"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused(old: str, new: str, message: str) -> None:
