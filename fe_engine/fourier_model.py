@@ -254,7 +254,7 @@ class FourierModel:
         for name, (got, expected) in shapes.items():
             if got != expected:
                 raise ModelError(f"{name} has shape {got}, expected {expected}")
-        if self.whole and (self.water is not None or self.linear is not None):
-            raise ModelError("a series around the whole circle has neither water nor linear elements")
+        if self.whole and (self.water is not None or (self.linear is not None and self.harmonics)):
+            raise ModelError("a series around the whole circle has neither water nor, beyond torsion, linear elements")
         if self.azimuths < len(self.numbers):
             raise ModelError(f"{self.azimuths} azimuths cannot resolve {self.harmonics} harmonics: take more")

@@ -9,6 +9,7 @@ UDUNITS text, as the CF conventions require.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -21,9 +22,17 @@ SIDES = ("outside", "inside")
 COMPONENTS = ("normal", "shear", "water")
 DOFS = ("u", "w", "rotation")
 
+TORSION = "torsional_stiffness_Nm_per_rad"  # attribute of results and springs: of the full model at rest
+
 _OPPOSES = "soil reaction, positive when it opposes a positive displacement"
 _CONJUGATE = "work conjugate of rotation, about the lid centre at mudline; a load H at height h has M = H*h"
 _FIELD = ("step", "side", "azimuth", "depth")
+
+
+def known_torsion(attrs: Mapping[Any, Any]) -> float | None:
+    """Return the torsional stiffness [N m/rad] in the attributes of a result or of springs; None where it has none."""
+    value = attrs.get(TORSION)
+    return float(value) if isinstance(value, int | float) and 0.0 < value < math.inf else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a run leaves in memory: its record, and its datasets as one tree with provenance."""
 
+import math
 import os
 import platform
 from typing import Any
@@ -9,6 +10,7 @@ import xarray as xr
 
 from pysprings.core import variables, version
 from pysprings.core.errors import ResourceError, RunIncomplete
+from pysprings.core.variables import TORSION
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.discretise import section_of, volume_of
@@ -52,10 +54,17 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         defaulted=defaults_of(work.scene, work.vertical_load),
         remarks=remarks(work.scene),
         checkpoints=_checkpoints(work),
-        stiffness_initial={"dofs": list(variables.DOFS), "matrix": (2.0 * work.stiffness).tolist()},
+        stiffness_initial=_stiffness(work),
         wall_s=loaded.elapsed,
         cpu_s=work.cpu_elsewhere,
     )
+
+
+def _stiffness(work: Work) -> dict[str, Any]:
+    """Return the stiffness of the whole caisson at rest."""
+    torsion = work.torsion if math.isfinite(work.torsion) else None
+    matrix = (2.0 * work.stiffness).tolist()
+    return {"dofs": list(variables.DOFS), "matrix": matrix, TORSION: torsion}
 
 
 def _mesh(work: Work) -> MeshFigures:
@@ -105,11 +114,9 @@ def _checkpoints(work: Work) -> CheckpointCost | None:
 
 def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
     """Return the result with its provenance, without the record itself."""
-    dofs, stiffness = list(variables.DOFS), 2.0 * work.stiffness
-    root = xr.Dataset(
-        {"stiffness_initial": (("dof", "dof_conjugate"), stiffness)}, coords={"dof": dofs, "dof_conjugate": dofs}
-    )
-    root = variables.attach(root, "springs_root")
+    axes = "dof", "dof_conjugate"
+    data = {"stiffness_initial": (axes, 2.0 * work.stiffness)}
+    root = variables.attach(xr.Dataset(data, {axis: list(variables.DOFS) for axis in axes}), "springs_root")
     scene, mesh = work.scene, work.built.model.mesh
     root.attrs = {
         "Conventions": "CF-1.11",
@@ -138,6 +145,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
         "limit_rotation_rad": scene.limit.rotation,
         "vertical_load_N": work.vertical_load,
+        **({TORSION: work.torsion} if math.isfinite(work.torsion) else {}),
         "defaulted": defaulted_text(record.defaulted, numerical=False),
         "remarks": "; ".join(record.remarks),
     }

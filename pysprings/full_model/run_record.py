@@ -249,7 +249,7 @@ class RunRecord(_Part):
     left_out : what the scene leaves out, and why.
     defaulted, remarks : values that the scene does not give, and what is unlikely in it (`pysprings.scene.defaults`).
     phases : wall and CPU seconds by phase; wall_s and cpu_s are their sums.
-    stiffness_initial : of the whole caisson at mudline: dofs, and the matrix in N, m, rad.
+    stiffness_initial : of the whole caisson at mudline: dofs, the matrix in N, m, rad, and the torsional stiffness.
     summary : the run in ten lines, by heading (`pysprings.results.summary`).
     error_estimate, target_error, balance, files : what was asked for, or written, beside the computation.
     not_made : parts that follow the results (error estimate, pictures, report) and were not made, by name, and why.

@@ -35,7 +35,7 @@ from pysprings.full_model.run_record import PathFigures
 from pysprings.model.build import Built
 from pysprings.model.contact import penalty_of
 from pysprings.model.forecast.domain_effect import domain_effect
-from pysprings.model.fourier import BuiltFourier, build, build_fourier
+from pysprings.model.fourier import BuiltFourier, build, build_fourier, build_torsion
 from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 
@@ -65,7 +65,8 @@ class Work:
     failures, warnings : sentences for the record.
     stopped : why the run ended before its paths did.
     condition : estimate of the condition of the last matrix.
-    stiffness : (3, 3) of half the caisson at the initial state.
+    stiffness : (3, 3) of half the caisson at the initial state; torsion : of the whole one [N m/rad], NaN where bricks
+        stand on a section that has no series.
     state : of the path that ran last.
     cpu_elsewhere : CPU seconds of earlier parts of the run, and of other processes; ``cpu_began`` those of this process
         before the run.
@@ -85,6 +86,7 @@ class Work:
     stopped: StopReason | None = None
     condition: float | None = None
     stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
+    torsion: float = float("nan")
     state: State | None = None
     cpu_elsewhere: float = 0.0
     cpu_began: float = field(default_factory=time.process_time)
@@ -98,9 +100,9 @@ class Work:
             with self.clock.phase("set-up"):
                 built = build_fourier(self.scene, whole=True)
                 engine = make_engine(self.scene, built, self.clock)
-                assert isinstance(engine.system, FourierSystem)
-                stiffness = symmetric_but_for_rounding(engine.newton.border_stiffness(State(built.model)))
-                self._whole = Whole(built, engine.system, engine.newton, stiffness)
+            assert isinstance(engine.system, FourierSystem)
+            stiffness = symmetric_but_for_rounding(engine.newton.border_stiffness(State(built.model)))
+            self._whole = Whole(built, engine.system, engine.newton, stiffness)
         return self._whole
 
     @property
@@ -145,15 +147,16 @@ class Work:
             if loaded.any:
                 checkpoints.resumed.append({"at_utc": started, "from": loaded.place})
         if loaded.shared is None:
-            stiffness = self._initial_stiffness()
+            stiffness, torsion = self._initial_stiffness(), np.array(self._initial_torsion())
             about = {"started_utc": started, "harmonics": self.scene.mesh.harmonics, "cost": asdict(self.cost())}
-            loaded.shared = Saved(about, {"stiffness": stiffness})
+            loaded.shared = Saved(about, {"stiffness": stiffness, "torsion": torsion})
             if checkpoints is not None:
                 with self.clock.phase("checkpoint"):
                     checkpoints.begin(loaded.shared, anew=not loaded.paths)
         else:
             self.add(Cost(**loaded.shared.meta["cost"]))
         self.stiffness = loaded.shared.arrays["stiffness"]
+        self.torsion = float(loaded.shared.arrays["torsion"])
         return loaded
 
     def _identity(self) -> dict[str, str]:
@@ -175,6 +178,16 @@ class Work:
             raise RunIncomplete(f"the stiffness of the initial state cannot be computed: {error}") from error
         finally:
             self.system.sealed = False
+
+    def _initial_torsion(self) -> float:
+        """Return the torsional stiffness of the whole caisson at rest [N m/rad], without water: no volume changes."""
+        try:
+            with self.clock.phase("set-up"):
+                built = build_torsion(self.scene)
+                engine = make_engine(self.scene, built, self.clock)
+            return float(engine.newton.border_stiffness(State(built.model))[-1, -1])
+        except FEError:
+            return float("nan")
 
 
 def prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:

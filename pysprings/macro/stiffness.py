@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import refused
+from pysprings.core.path_kinds import MOTIONS
+from pysprings.core.variables import known_torsion
 from pysprings.macro.answer import Care
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import Asking, impose, model_of, predict
@@ -22,8 +24,9 @@ from pysprings.macro.user_curves import CurveSprings
 
 Array = NDArray[np.float64]
 
-DOFS = ("x", "y", "z", "rx", "ry", "rz")
-TORSION = "torsion (rz) is not known from lateral loading: its row and column are 0; put in a value of your own"
+DOFS = MOTIONS
+NO_TORSION = "torsion (rot_z) is not known without a full model: its row and column are 0"
+AT_REST = "torsion (rot_z) is that of the full model at rest: less where torsion or lateral loads mobilise friction"
 FULL_MODEL = "initial stiffness of the full model"
 FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
 GAUSS = 64  # points of the mean along the way
@@ -78,13 +81,14 @@ def stiffness(springs: AnySprings | MacroModel, **question: Unpack[Question]) ->
 
 
 def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]) -> xr.DataArray:
-    """Return a stiffness (6, 6) for (x, y, z, rx, ry, rz): initial, or at a state in the plane of the load.
+    """Return a stiffness (6, 6) for (u_x, u_y, w, rot_x, rot_y, rot_z): initial, or at a state in a plane of load.
 
-    Questions are those of `stiffness`. Axes: x along the load, y to its left seen from above, z up;
-    rotations right-hand. Units: N/m for displacements, N/rad = N m/m between x and ry (y and rx),
-    N m/rad for rotations. The caisson at rest is axisymmetric: what holds for (x, ry) holds for (y, -rx). At a state
-    the block out of the plane of the load is the secant, as the response does not depend on the direction of the plane.
-    Torsion is unknown and stated so: zeros.
+    Questions are those of `stiffness`. Axes: x along the load, y to its left seen from above, z up; rotations
+    right-hand; w is down. Units: N/m for displacements, N/rad = N m/m between u_x and rot_y (u_y and rot_x), N
+    m/rad for rotations. The caisson at rest is axisymmetric: what holds for (u_x, rot_y) holds for (u_y, -rot_x).
+    At a state the block out of the plane of the load is the secant, as the response does not depend on the
+    direction of the plane. Torsion is that of the full model at rest, at a state, too; without a full model (a
+    table) it is 0, and stated so.
 
     Raises
     ------
@@ -99,7 +103,15 @@ def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]
     else:
         model = _model(springs, load, asking)
         return six_at_state(model, _state(model, load, asking), form)
-    return _six(in_form(matrix, form), in_form(matrix, form), name, form)
+    return _six(in_form(matrix, form), in_form(matrix, form), torsion_of(springs), (name, form))
+
+
+def torsion_of(springs: AnySprings | MacroModel) -> float | None:
+    """Return the torsional stiffness of the full model at rest [N m/rad]; None where springs have none."""
+    if isinstance(springs, MacroModel):
+        return known_torsion(springs.attrs)
+    given = typed(springs)
+    return None if isinstance(given, CurveSprings) else known_torsion(given.attrs)
 
 
 def has_six(springs: AnySprings | MacroModel) -> bool:
@@ -139,7 +151,7 @@ def six_at_state(model: MacroModel, state: xr.Dataset, form: Form) -> xr.DataArr
     """Return the stiffness (6, 6) of the springs at one state; see `stiffness_six`."""
     plane, name = _at_state(model, state, form)
     across, _ = _at_state(model, state, Form(secant=True))
-    return _six(in_form(plane, form), in_form(across, form), name, form)
+    return _six(in_form(plane, form), in_form(across, form), torsion_of(model), (name, form))
 
 
 def secant(model: MacroModel, u: float, rotation: float, V: float | None = None) -> Array:
@@ -171,10 +183,10 @@ def in_form(matrix: Array, form: Form) -> Array:
     return 0.5 * (out + np.swapaxes(out, -1, -2)) if form.get("symmetric") else out
 
 
-def axisymmetric(plane: Array, across: Array | None = None) -> Array:
+def axisymmetric(plane: Array, across: Array | None = None, torsion: float = 0.0) -> Array:
     """Return the (6, 6) matrix of (3, 3) ones for (u, w, rotation): in the plane of x and z, and across it."""
     other = plane if across is None else across
-    matrix = np.diag([plane[0, 0], other[0, 0], plane[1, 1], other[2, 2], plane[2, 2], 0.0])
+    matrix = np.diag([plane[0, 0], other[0, 0], plane[1, 1], other[2, 2], plane[2, 2], torsion])
     matrix[0, 4], matrix[4, 0] = plane[0, 2], plane[2, 0]
     matrix[1, 3], matrix[3, 1] = -other[0, 2], -other[2, 0]
     return matrix
@@ -224,12 +236,14 @@ def _array(matrix: Array, name: str, form: Form) -> xr.DataArray:
     return xr.DataArray(matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"), "stiffness", attrs)
 
 
-def _six(plane: Array, across: Array, name: str, form: Form) -> xr.DataArray:
+def _six(plane: Array, across: Array, torsion: float | None, named: tuple[str, Form]) -> xr.DataArray:
+    name, form = named
     attrs = {
         "long_name": f"{name} {form_words(form)}",
         "units": "1",
-        "comment": "mixed units: N m-1; N radian-1 between x and ry, y and rx; N m radian-1 for rotations",
-        "torsion": TORSION,
+        "comment": "mixed units: N m-1; N radian-1 between u_x and rot_y, u_y and rot_x; N m radian-1 for rotations",
+        "torsion": NO_TORSION if torsion is None else AT_REST,
     }
     coords = {"dof": list(DOFS), "dof_conjugate": list(DOFS)}
-    return xr.DataArray(axisymmetric(plane, across), coords, ("dof", "dof_conjugate"), "stiffness_6x6", attrs)
+    matrix = axisymmetric(plane, across, torsion or 0.0)
+    return xr.DataArray(matrix, coords, ("dof", "dof_conjugate"), "stiffness_6x6", attrs)

@@ -74,6 +74,11 @@ def build_fourier(scene: Scene, whole: bool = False) -> BuiltFourier:
     return build_on_section(scene, section_counts_of(scene), whole)
 
 
+def build_torsion(scene: Scene) -> BuiltFourier:
+    """Build the whole model of a scene in torsion alone, on the section of its series; at rest water takes no part."""
+    return build_on_section(scene, replace(section_counts_of(scene), harmonics=0), whole=True)
+
+
 def azimuths_of(harmonics: int, whole: bool) -> tuple[int, int]:
     """Return the numbers of azimuths of the soil law and of the stations, of half a circle or the whole one.
 
@@ -97,7 +102,7 @@ def build_on_section(scene: Scene, counts: SectionCounts, whole: bool = False) -
     depth = elements.gauss_positions(mesh.nodes, mesh.quads)[:, :, 1]
     materials, material = soil_materials(scene, depth)
     law, contact = contact_of(scene, stations, section.walls["inside"])
-    water = make_series_water(scene, section, stations, harmonics)
+    water = None if whole else make_series_water(scene, section, stations, harmonics)
     model = FourierModel(
         mesh=mesh,
         harmonics=harmonics,

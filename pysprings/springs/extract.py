@@ -5,6 +5,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
+from pysprings.core.variables import TORSION
 from pysprings.springs.checks import FEWEST_STATES, SCHEMA, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MARGIN
@@ -13,7 +14,7 @@ _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
     "solver", "mesh_preset", "n_nodes", "n_elements", "status", "drainage", "outer_diameter_m", "skirt_length_m",
     "skirt_thickness_m", "vertical_load_N", "caisson_behaviour", "limit_displacement_over_diameter",
-    "limit_rotation_rad", "defaulted", "remarks",
+    "limit_rotation_rad", TORSION, "defaulted", "remarks",
 )  # fmt: skip
 _KEPT = (
     "depth_bounds", "p", "p_component", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",

@@ -75,7 +75,7 @@ def springs_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("predict", "springs.nc", "--u-max", "1 mm", "--points", "30"),
         ("design", "springs.nc", "cases.csv", "--tilt", "0.25 deg", "--out", "a.csv", "--out", "a.xlsx"),
         ("springs", "springs.nc", "--format", "csv"),
-        ("export", "springs.nc", "--to", "openfast", "--out", "model", "--option", "torsion=2 GN m/rad"),
+        ("export", "springs.nc", "--to", "openfast", "--out", "model", "--option", "z=-30 m"),
     ],
     ids=lambda words: " ".join(words[:3:2]),
 )

@@ -139,12 +139,10 @@ FILES = (
     _m("run beside a folder without one", "diff empty empty", "is not the folder of a run"),
     _m("program that no export is for", "export one.nc --to nastran", "'nastran' is not one of"),
     _m("option that an export has not", "export one.nc --to openfast --option colour=red", "no option of 'openfast'"),
-    _m("length for a rotational stiffness", "export one.nc --to openfast --option torsion=5m", "is a length"),
-    _m("stiffness without a unit", "export one.nc --to opensees --option torsion=1e9", 'such as "1e9 N m/rad"'),
+    _m("length for a direction", "export one.nc --to opensees --option azimuth=5m", "is a length"),
+    _m("force without a unit", "export one.nc --to opensees --option V=1e6", 'such as "2 MN"'),
     _m(
-        "negative torsional stiffness",
-        'export one.nc --to subdyn --option "torsion=-1 GN m/rad"',
-        "is less than 0 N m/rad",
+        "torsion, which comes from the model", "export one.nc --to subdyn --option torsion=1e9", "no option of 'subdyn'"
     ),
     _m("export at a V that the springs have not", "export fan.nc --to openfast --option V=900MN", "are known at V = "),
     _m("export of the folder of a run that was killed", "export killed --to sacs", "has not ended"),
@@ -154,7 +152,7 @@ FILES = (
         "no nonlinear foundation: it needs a fan",
         WARNED,
     ),
-    _m("option of an export without a value", "export one.nc --to openfast --option torsion", "is not NAME=VALUE"),
+    _m("option of an export without a value", "export one.nc --to openfast --option x", "is not NAME=VALUE"),
 )
 SCENES = (
     _m("unknown key", "check key.toml", "unknown key .did you mean 'friction_coefficient'"),

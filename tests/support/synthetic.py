@@ -15,6 +15,7 @@ SIDES = list(variables.SIDES)
 COMPONENTS = list(variables.COMPONENTS)
 
 
+TORSION = 2.5e9  # N m/rad
 DEAD_LOAD = 2.0e6
 
 
@@ -182,6 +183,7 @@ def make_springs(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = 
         "vertical_load_N": DEAD_LOAD,
         "drainage": "drained",
         "schema": SCHEMA,
+        variables.TORSION: TORSION,
     }
     root = xr.Dataset(
         {"stiffness_initial": (("dof", "dof_conjugate"), stiffness(c))},

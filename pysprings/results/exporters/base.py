@@ -35,8 +35,6 @@ def table_options(points: int) -> tuple[Option, ...]:
                unit="rad", example="30 deg"),
         Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
         Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
-        Option("torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad",
-               example="1e9 N m/rad", least=0.0),
     )  # fmt: skip
 
 
@@ -118,8 +116,6 @@ class Option:
         Quantity for messages.
     choices
         Words that the option accepts; empty for any value.
-    least
-        Smallest value of a quantity, in SI; None for any.
     """
 
     name: str
@@ -128,7 +124,6 @@ class Option:
     unit: str = ""
     example: str = ""
     choices: tuple[str, ...] = ()
-    least: float | None = None
 
 
 def _ignore(_file: Path) -> None:
@@ -245,12 +240,9 @@ def _converted(option: Option, value: Any) -> Any:
         from pysprings.core.units import QuantityError, read
 
         try:
-            number = read(value, option.unit, option.example)
+            return read(value, option.unit, option.example)
         except QuantityError as error:
             raise ValueError(str(error)) from None
-        if option.least is not None and number < option.least:
-            raise ValueError(f"{value} is less than {option.least:g} {option.unit}")
-        return number
     if option.choices and value not in option.choices:
         raise ValueError(f"'{value}' is not one of {', '.join(option.choices)}")
     if isinstance(value, str) and not isinstance(option.default, str | None):

@@ -31,19 +31,18 @@ _SECANT_COLUMNS = ("state", "|u| [mm]", "|rotation| [mrad]", "Kxx", "Kxty", "Kty
 _COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
 
 
-def with_torsion(springs: Springs, torsion: float) -> Array:
+def at_lid(springs: Springs) -> Array:
     """Return the initial stiffness (6, 6) at the lid centre [N/m, N/rad, N m/rad], symmetric.
 
-    Axes are those of `stiffness_six`. `torsion` [N m/rad] is the user's own.
+    Axes are those of `stiffness_six`; so is torsion.
 
     Raises
     ------
     UserInputError
         Springs from a table without vertical stiffness.
     """
-    matrix: Array = stiffness_six(springs, symmetric=True).values.copy()
-    matrix[5, 5] = torsion
-    return matrix + 0.0
+    matrix: Array = stiffness_six(springs, symmetric=True).values + 0.0
+    return matrix
 
 
 def linear_words(springs: Springs) -> list[str]:
@@ -58,7 +57,7 @@ def secants(springs: Springs) -> list[str]:
     ones where there is none), in the frame and the words of the matrix.
     """
     lateral = [path for path in springs.paths.values() if not path.is_vertical]
-    rows = [("at rest", "", "", *_entries(with_torsion(springs, 0.0)[np.ix_([0, 4], [0, 4])]))]
+    rows = [("at rest", "", "", *_entries(at_lid(springs)[np.ix_([0, 4], [0, 4])]))]
     for path in [each for each in lateral if has_free_head(each.attrs)] or lateral:
         model = MacroModel.from_springs(springs.answering(path))
         motion = np.stack([path.u, path.rotation])

@@ -9,8 +9,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pysprings.core.variables import known_torsion
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
-from pysprings.results.exporters.subdyn import FRAME, TORSION, UNITS, matrix_of, write_subdyn
+from pysprings.results.exporters.subdyn import FRAME, UNITS, matrix_of, write_subdyn
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -25,7 +26,7 @@ _LOST = {
                "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption"),
 }  # fmt: skip
 _ALWAYS = (
-    "torsion is linear",
+    "torsion is linear, with the stiffness of the full model at rest",
     "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like",
 )
 _CYCLES = "elements that remember reversals, for tens of cycles"
@@ -46,7 +47,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     use = _CYCLES if len(model.response.element_rows.rows) else BACKBONE
     head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
-    text = spring_text(head, model, float(options["torsion"] or 0.0), total, stop)
+    text = spring_text(head, model, known_torsion(model.attrs) or 0.0, total, stop)
     library = f"./{library_name()}"
     files = [
         target.write(_SPRING_FILE, text),
@@ -72,7 +73,7 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
     from pysprings.results.exporters.soildyn.library import matrix_input
 
-    stiffness, lost = matrix_of(source, float(options["torsion"] or 0.0))
+    stiffness, lost = matrix_of(source)
     head = [*header(source, "OpenFAST foundation matrix: stiffness at rest", FRAME, UNITS), *lost]
     files = [
         *write_subdyn(head, stiffness, target),
@@ -88,7 +89,6 @@ OPENFAST = Exporter(
     write=_write,
     suffixes=(".dat", ".txt"),
     options=(
-        TORSION,
         Option("x", "place of the lid centre in the frame of OpenFAST", unit="m", example="0 m"),
         Option("y", "the same", unit="m", example="0 m"),
         Option("z", "height of the mudline above still water, negative", unit="m", example="-30 m"),

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
+from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,11 +22,7 @@ FRAME = (
     "forces on the soil"
 )
 UNITS = "N/m, N/rad = N m/m, N m/rad; kg, kg m, kg m2"
-NO_TORSION = "torsion is not known from lateral loading: Ktztz is 0, which SubDyn rejects; give --option torsion=..."
-TORSION = Option(
-    "torsion", "stiffness about the vertical axis, which springs do not give", unit="N m/rad", example="1e9 N m/rad",
-    least=0.0,
-)  # fmt: skip
+NO_TORSION = "torsion is not known without a full model: Ktztz is 0, which SubDyn rejects; put in a value of your own"
 
 
 def labels(letter: str) -> Iterator[tuple[str, int, int]]:
@@ -71,15 +67,15 @@ def _unit(i: int, j: int) -> str:
     return ("(N/m)", "(N/rad)", "(Nm/rad)")[(i > 2) + (j > 2)]
 
 
-def matrix_of(source: Source, torsion: float) -> tuple[np.ndarray, list[str]]:
+def matrix_of(source: Source) -> tuple[np.ndarray, list[str]]:
     """Return the initial stiffness (6, 6) with z up, and the sentences on what a matrix loses."""
-    from pysprings.results.exporters.linear import linear_words, with_torsion
+    from pysprings.results.exporters.linear import at_lid, linear_words
     from pysprings.springs.springs import Springs
 
     springs = Springs.of(source.springs)
-    stiffness = with_torsion(springs, torsion)
+    stiffness = at_lid(springs)
     lost = linear_words(springs)
-    return stiffness, lost + ([] if torsion else [NO_TORSION])
+    return stiffness, lost + ([] if stiffness[5, 5] else [NO_TORSION])
 
 
 def write_subdyn(head: Sequence[str], stiffness: np.ndarray, target: Target) -> list:
@@ -93,7 +89,7 @@ def write_subdyn(head: Sequence[str], stiffness: np.ndarray, target: Target) -> 
 def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
 
-    stiffness, lost = matrix_of(source, float(options["torsion"] or 0.0))
+    stiffness, lost = matrix_of(source)
     head = [*header(source, "SubDyn foundation matrix: stiffness at rest", FRAME, UNITS), *lost]
     return Exported(write_subdyn(head, stiffness, target), lost)
 
@@ -103,5 +99,4 @@ SUBDYN = Exporter(
     description="initial stiffness for SubDyn: SSI file, spring element",
     write=_write,
     suffixes=(".dat",),
-    options=(TORSION,),
 )

@@ -3,6 +3,7 @@
 
 import json
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.checks import open_springs, save_springs
-from tests.support import written
+from tests.support import synthetic, written
 from tests.support.closed_forms import bilinear_springs, linear_springs, linear_stiffness
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
@@ -215,9 +216,12 @@ def test_six_by_six_does_not_know_the_direction_of_the_load(bent):
     np.testing.assert_allclose(six[np.ix_([0, 2, 4], [0, 2, 4])], k)
     symmetric = stiffness_six(bent, symmetric=True).values
     np.testing.assert_array_equal(symmetric, symmetric.T)
-    assert (np.linalg.eigvalsh(six)[1:] > 0.0).all()
-    assert (six[5] == 0.0).all()
-    assert "torsion (rz) is not known" in stiffness_six(bent).attrs["torsion"]
+    assert (np.linalg.eigvalsh(six) > 0.0).all()
+    assert six[5].tolist() == [0.0] * 5 + [synthetic.TORSION]
+    assert "full model at rest" in stiffness_six(bent).attrs["torsion"]
+    unknown = replace(bent, attrs={})
+    assert (stiffness_six(unknown).values[5] == 0.0).all()
+    assert "torsion (rot_z) is not known" in stiffness_six(unknown).attrs["torsion"]
 
 
 @pytest.fixture(scope="module")
@@ -352,7 +356,7 @@ def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
     assert done.code == 0
     assert len(done.out.split("tangent stiffness of the springs at the state")[0].strip().splitlines()) == 5
     assert "step" in done.out.split("stiffness of the springs at the state")[1]
-    assert "note: torsion (rz) is not known" in done.err
+    assert "note: torsion (rot_z) is that of the full model at rest" in done.err
     assert "without hysteresis" in done.err
     data = json.loads(
         command("predict", fan_file, "--u", "1 mm", "--rotation", "0.1 mrad", "--stiffness", "--json").out
@@ -360,7 +364,7 @@ def test_command_motions_sequence_and_stiffness(fan_file, tmp_path):
     (state,) = data["states"]
     assert (state["u"], state["rotation"]) == pytest.approx((1e-3, 1e-4))
     assert np.array(data["stiffness"]["matrices"]).shape == (1, 3, 3)
-    assert data["stiffness_6x6"]["dofs"] == ["x", "y", "z", "rx", "ry", "rz"]
+    assert data["stiffness_6x6"]["dofs"] == ["u_x", "u_y", "w", "rot_x", "rot_y", "rot_z"]
     assert "torsion" in data["stiffness_6x6"]
     assert "stiffness" not in json.loads(command("predict", fan_file, "--M", "1 MN m", "--json").out)
 

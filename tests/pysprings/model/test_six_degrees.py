@@ -16,6 +16,7 @@ from fe_engine.solve.stepping import Driver
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.full_model.discretise import make_engine
+from pysprings.full_model.work import prepare
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import BuiltFourier, build_fourier
 from pysprings.scene.extent import PAPER
@@ -172,3 +173,20 @@ def test_a_pull_has_the_same_answer_in_every_direction():
     half = rig(scene, whole=False)
     motion, force = half.drive(np.eye(3)[0], 2.5e-3, first)
     assert [2.0 * force[0], motion[2]] == pytest.approx([load[0], turned[0]], rel=3e-3)  # other azimuths
+
+
+@pytest.mark.parametrize("changes", [
+    {}, {"caisson": {"behaviour": "elastic"}},
+    {"mesh": {"preset": "coarse", "discretisation": "hex8", "refinement": 0.5}},
+    {"drainage": {"mode": "undrained"}, "soil": ELASTIC | {"hydraulic_conductivity": 1e-6}},
+])  # fmt: skip
+def test_the_torsion_of_any_scene_is_that_of_the_whole_caisson(changes):
+    """Of steel it is less; water takes no part, and bricks have that of the series."""
+    given = {"soil": ELASTIC, "domain": {"radius": 40.0, "depth": 30.0}, "mesh": {"preset": "coarse"}, "paths": (PATH,)}
+    found = prepare(Scene(**given | changes), Clock(), lambda *_: None)._initial_torsion()
+    mesh = {"preset": "coarse", "refinement": changes.get("mesh", {}).get("refinement", 1.0)}
+    whole = stiffness(Scene(**given | {"mesh": mesh}))[5, 5]
+    if "caisson" in changes:
+        assert 0.9 * whole < found < 0.9999 * whole
+    else:
+        assert found == pytest.approx(whole, rel=1e-9)

@@ -39,7 +39,14 @@ def full(folder: Path) -> np.ndarray:
         return data["stiffness_initial"].values
 
 
-def six(plane: np.ndarray) -> np.ndarray:
+@pytest.fixture(scope="module")
+def torsion(folder: Path) -> float:
+    """The torsional stiffness of full_model.nc."""
+    with xr.open_dataset(folder / "full_model.nc") as data:
+        return float(data.attrs["torsional_stiffness_Nm_per_rad"])
+
+
+def six(plane: np.ndarray, torsion: float) -> np.ndarray:
     """Return the axisymmetric (6, 6) matrix in axes with z up, entry by entry."""
     matrix = np.zeros((6, 6))
     for i, a in ((0, 0), (4, 2)):
@@ -48,7 +55,7 @@ def six(plane: np.ndarray) -> np.ndarray:
     for i, a, s in ((1, 0, 1.0), (3, 2, -1.0)):
         for j, b, t in ((1, 0, 1.0), (3, 2, -1.0)):
             matrix[i, j] = s * t * plane[a, b]
-    matrix[2, 2] = plane[1, 1]
+    matrix[2, 2], matrix[5, 5] = plane[1, 1], torsion
     return matrix
 
 
@@ -61,7 +68,7 @@ def same(made: object, expected: np.ndarray) -> None:
     np.testing.assert_allclose(np.array(made, dtype=float), expected, rtol=1e-12, atol=1e-15 * np.abs(expected).max())
 
 
-def test_it_is_symmetric_and_no_spring_set_changes_it(folder: Path, full: np.ndarray) -> None:
+def test_it_is_symmetric_and_no_spring_set_changes_it(folder: Path, full: np.ndarray, torsion: float) -> None:
     """The springs of one path are softer at rest: a stiffness that came from them would be another number."""
     np.testing.assert_array_equal(full, full.T)
     springs = pysprings.open_springs(folder / "springs.nc")
@@ -70,30 +77,31 @@ def test_it_is_symmetric_and_no_spring_set_changes_it(folder: Path, full: np.nda
     for kind in ("full", "py"):
         model = pysprings.model_of(springs, kind)
         same(pysprings.stiffness(model), full)
-        same(pysprings.stiffness_six(model), six(full))
+        same(pysprings.stiffness_six(model), six(full, torsion))
     same(pysprings.stiffness(springs), full)
-    same(pysprings.stiffness_six(springs), six(full))
+    same(pysprings.stiffness_six(springs), six(full, torsion))
     same(pysprings.extract_springs(tiny.result())["stiffness_initial"], tiny.result()["stiffness_initial"].values)
 
 
-def test_the_files_of_a_run(folder: Path, full: np.ndarray) -> None:
+def test_the_files_of_a_run(folder: Path, full: np.ndarray, torsion: float) -> None:
     with xr.open_dataset(folder / "springs.nc") as data:
         same(data["stiffness_initial"], full)
     same(read_record(folder)["stiffness_initial"]["matrix"], full)
+    assert read_record(folder)["stiffness_initial"]["torsional_stiffness_Nm_per_rad"] == torsion
     page = (folder / "report.html").read_text(encoding="utf-8").split("Initial stiffness of the full model")[1]
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", page.split("</table>")[0])
     numbers = [float(cell.replace(",", "")) for cell in cells if "[" not in cell]
     matrix = 1e6 * np.array(numbers).reshape(3, 3)  # no decimals from 10,000 on, else six digits
     np.testing.assert_allclose(matrix, full, rtol=5e-5, atol=1e-9 * np.abs(full).max())
     sheet = openpyxl.load_workbook(folder / "springs.xlsx")["stiffness 6x6"]
-    same([[1e3 * cell.value for cell in row] for row in sheet["B3:G8"]], six(full))
+    same([[1e3 * cell.value for cell in row] for row in sheet["B3:G8"]], six(full, torsion))
     book = openpyxl.load_workbook(folder / "springs.xlsx")
     place = book.defined_names["K_3x3"].attr_text.split("!")[1].replace("$", "")
     same([[1e3 * cell.value for cell in row] for row in sheet[place]], full)
 
 
-def test_the_files_for_other_programs(folder: Path, full: np.ndarray) -> None:
-    up = six(full)
+def test_the_files_for_other_programs(folder: Path, full: np.ndarray, torsion: float) -> None:
+    up = six(full, torsion)
     made = json.loads((folder / "json" / "springs.json").read_text(encoding="utf-8"))
     same(made["stiffness_initial"]["values"], full)
     names = ["x", "y", "z", "tx", "ty", "tz"]
@@ -124,24 +132,24 @@ def test_the_head_of_an_export_has_the_mesh_error_of_its_run(folder: Path) -> No
     assert "load max 7.5 %; companion stopped on 1 of 3 paths: pull (contact lost)" in head
 
 
-def test_the_command(folder: Path, full: np.ndarray) -> None:
+def test_the_command(folder: Path, full: np.ndarray, torsion: float) -> None:
     asked = ("predict", folder, "--H", "100 kN", "--stiffness")
     document = json.loads(command(*asked, "--json").out)
-    same(document["stiffness_6x6"]["matrix"], six(full))
+    same(document["stiffness_6x6"]["matrix"], six(full, torsion))
     assert document["stiffness_6x6"]["long_name"].startswith("initial stiffness of the full model")
     printed = command(*asked).out.split("initial stiffness of the full model")[1].splitlines()[3:9]
-    for line, row in zip(printed, six(full), strict=True):
+    for line, row in zip(printed, six(full, torsion), strict=True):
         assert line.split()[1:] == [f"{1e-6 * value + 0.0:.5g}" for value in row]
 
 
-def test_another_point_and_the_symmetric_part(folder: Path, full: np.ndarray) -> None:
+def test_another_point_and_the_symmetric_part(folder: Path, full: np.ndarray, torsion: float) -> None:
     """About a point of depth d: M is more by H d, and u of the lid is that of the point and rotation d."""
     d, moved = 2.5, full.copy()
     moved[0, 2] = moved[2, 0] = full[0, 2] + d * full[0, 0]
     moved[2, 2] = full[2, 2] + 2.0 * d * full[0, 2] + d**2 * full[0, 0]
     asked = ("predict", folder, "--H", "100 kN", "--stiffness", "--json", "--reference-depth", f"{d} m")
     made = [json.loads(command(*asked, *more).out) for more in ((), ("--symmetric",), ("--secant",))]
-    for document, expected in zip(made, (six(moved),) * 3, strict=True):
+    for document, expected in zip(made, (six(moved, torsion),) * 3, strict=True):
         same(document["stiffness_6x6"]["matrix"], expected)
         assert f"{d:g} m below mudline" in document["stiffness_6x6"]["long_name"]
     springs = pysprings.open_springs(folder / "springs.nc")

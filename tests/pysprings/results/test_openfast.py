@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
@@ -25,7 +26,7 @@ from tests.support.commands import command
 from tests.support.fans import LENGTH
 from tests.support.vertical import fan_with_vertical, vertical_springs
 
-TORSION = 2.5e9
+TORSION = synthetic.TORSION
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +36,7 @@ def source() -> Source:
 
 @pytest.fixture
 def folder(source: Source, tmp_path: Path) -> Path:
-    export(source, "openfast", tmp_path, torsion=TORSION, x=1.5, y=-2.0, z=-30.0)
+    export(source, "openfast", tmp_path, x=1.5, y=-2.0, z=-30.0)
     return tmp_path
 
 
@@ -128,8 +129,9 @@ def test_the_secants_beside_a_matrix_carry_the_recorded_loads(
 
 def test_missing_torsion_is_a_remark(tmp_path: Path) -> None:
     springs = synthetic.make_springs()
+    assert not any("Ktztz" in remark for remark in export(springs, "openfast", tmp_path).remarks)
+    del springs.attrs[variables.TORSION]
     assert any("Ktztz is 0" in remark for remark in export(springs, "openfast", tmp_path).remarks)
-    assert not any("Ktztz" in remark for remark in export(springs, "openfast", tmp_path, torsion=1e9).remarks)
 
 
 def test_springs_without_a_vertical_stiffness_are_refused(tmp_path: Path) -> None:
@@ -141,7 +143,7 @@ def test_springs_without_a_vertical_stiffness_are_refused(tmp_path: Path) -> Non
 
 def test_command(tmp_path: Path) -> None:
     export(vertical_springs(), "nc", tmp_path / "springs.nc")
-    done = command("export", tmp_path, "--to", "openfast", "--option", "z=-30 m", "--option", "torsion=1 GN m/rad")
+    done = command("export", tmp_path, "--to", "openfast", "--option", "z=-30 m")
     assert done.code == 0, done.err
     names = ("subdyn_ssi.dat", "subdyn_spring.dat", "soildyn.dat", "caisson.txt", "soildyn_nonlinear.dat")
     assert done.out.split() == [str(tmp_path / "openfast" / name) for name in names]
@@ -168,7 +170,7 @@ def test_soildyn_reacts_with_the_matrix_in_all_directions(folder: Path) -> None:
 
 @pytest.fixture
 def matrix_folder(source: Source, tmp_path: Path) -> Path:
-    export(source, "subdyn", tmp_path, torsion=TORSION)
+    export(source, "subdyn", tmp_path)
     return tmp_path
 
 
@@ -228,7 +230,7 @@ def fan() -> Source:
 @pytest.fixture
 def soil(library: Path, fan: Source, tmp_path: Path) -> Path:
     """Folder with library, spring file and the input of one point."""
-    export(fan, "openfast", tmp_path, torsion=TORSION, z=-30.0)
+    export(fan, "openfast", tmp_path, z=-30.0)
     shutil.copy(library, tmp_path)
     return tmp_path
 
@@ -285,7 +287,7 @@ def test_soildyn_reacts_as_predict_in_a_thousand_states(soil: Path) -> None:
 
 def test_four_points_are_independent(soil: Path, source: Source) -> None:
     """Each reacts to its own springs: two are of another caisson, and all have the same motion."""
-    export(source, "openfast", soil / "other", torsion=TORSION)
+    export(source, "openfast", soil / "other")
     head = (soil / "soildyn_nonlinear.dat").read_text().splitlines()[:2]
     places = [(x, y, -30.0) for x in (-6.0, 6.0) for y in (-6.0, 6.0)]
     text = library_input(head, f"./{library_name()}", "./caisson.txt", places)
@@ -337,7 +339,7 @@ def test_soildyn_follows_a_sequence_with_memory(library: Path, tmp_path: Path) -
     """Turning motions in a plane at an angle: SoilDyn keeps the state of the elements from step to step."""
     rows = winkler.mixed()
     springs = winkler.with_invented_memory(rows[~np.isin(rows[:, 0], PLATES)])
-    export(springs, "openfast", tmp_path, torsion=TORSION, z=-30.0, springs="memory")
+    export(springs, "openfast", tmp_path, z=-30.0, springs="memory")
     shutil.copy(library, tmp_path)
     t = np.linspace(0.0, 1.0, 200)[1:]
     states = np.stack([6e-3 * np.sin(14.0 * t) * t, 1.5e-3 * np.sin(9.0 * t)], axis=1)

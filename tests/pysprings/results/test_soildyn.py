@@ -22,7 +22,7 @@ from tests.support.foundation import FORCE, Point
 pytestmark = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
 )
-TORSION = 2.5e9
+TORSION = synthetic.TORSION
 
 
 @pytest.fixture(scope="session")
@@ -42,7 +42,7 @@ def springs(source: Source) -> xr.DataTree:
 
 @pytest.fixture
 def point(library: Path, source: Source, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Point:
-    export(source, "openfast", tmp_path, torsion=TORSION)
+    export(source, "openfast", tmp_path)
     monkeypatch.chdir(tmp_path)
     return Point(library, "./caisson.txt")
 
@@ -117,10 +117,10 @@ def test_pushing_down_and_pulling_out_differ(point: Point, springs: xr.DataTree)
 
 
 def test_stiffness_at_rest_is_that_of_the_matrices(point: Point, springs: xr.DataTree) -> None:
-    from pysprings.results.exporters.linear import with_torsion
+    from pysprings.results.exporters.linear import at_lid
     from pysprings.springs.springs import Springs
 
-    K = with_torsion(Springs.of(springs), TORSION)
+    K = at_lid(Springs.of(springs))
     np.testing.assert_allclose(point.stiffness(np.zeros(6)), K, rtol=1e-7, atol=1e-7 * K[0, 0])
 
 

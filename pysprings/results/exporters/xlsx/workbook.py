@@ -17,9 +17,10 @@ import xlsxwriter
 from numpy.typing import NDArray
 
 from pysprings.core.files.storage import replacing
+from pysprings.core.variables import known_torsion
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.macro.stiffness import FULL_MODEL, TORSION, stiffness_six
+from pysprings.macro.stiffness import AT_REST, FULL_MODEL, NO_TORSION, stiffness_six
 from pysprings.results.exporters.base import Source
 from pysprings.results.exporters.tables import with_net
 from pysprings.results.exporters.xlsx.book import LENGTHS, QUANTITIES, Book, Cells, about_lines, finish, write_numbers
@@ -165,7 +166,6 @@ _THREE = (("H [kN]", "V [kN]", "M [kN m]"), ("per u [m]", "per w [m]", "per rota
 _NOTES = (
     "Axes: x along the load, y to its left seen from above, z up; rotations right-hand. The caisson at rest is "
     "axisymmetric: what holds for (x, ry) holds for (y, -rx).",
-    TORSION[0].upper() + TORSION[1:] + ".",
     "About another point: `pysprings predict ... --stiffness --reference-depth LENGTH`.",
     "Springs of one path at rest: slope of the first recorded step, below the full model's initial one; w is the full "
     "model's elastic stiffness.",
@@ -178,8 +178,10 @@ def _stiffness(book: Book, sheet: Any) -> None:
     sheet.set_column(1, 6, 16)
     row = _block(book, sheet, 0, f"{FULL_MODEL} at the lid centre, 6 x 6", stiffness_six(book.springs).values, _SIX)
     book.define("K_6x6", sheet.name, (2, 1), (7, 6))
-    sheet.write_column(row, 0, _NOTES)
-    row += len(_NOTES) + 1
+    torsion = NO_TORSION if known_torsion(book.springs.attrs) is None else AT_REST
+    notes = [_NOTES[0], f"{torsion[0].upper()}{torsion[1:]}.".replace("rot_z", "rz"), *_NOTES[1:]]
+    sheet.write_column(row, 0, notes)
+    row += len(notes) + 1
     book.define("K_3x3", sheet.name, (row + 2, 1), (row + 4, 3))
     full = book.springs.dataset["stiffness_initial"].values
     row = _block(book, sheet, row, f"{FULL_MODEL} at the lid centre, 3 x 3", full, _THREE)
