@@ -38,14 +38,15 @@ def section(r: np.ndarray, z: np.ndarray) -> SectionMesh:
 
 def disc(
     harmonics: int = 2, law: SoilLaw = plasol.LAW, contact: tuple = CONTACT, skew: bool = False,
-    pressure: float = 2.0e4, whole: bool = False, **changes: float,
+    pressure: float = 2.0e4, whole: bool = False, lines: tuple[np.ndarray, np.ndarray] | None = None, **changes: float,
 ) -> FourierModel:  # fmt: skip
     """Return a cylinder of soil (radius 3 m, depth 2 m, roller, fixed base) under a rigid disc of radius 1 m.
 
     ``skew`` turns the frames of the stations at random, and puts an elastic soil into some elements.
-    ``whole``: around the whole circle, with six degrees of freedom.
+    ``whole``: around the whole circle, with six degrees of freedom. ``lines``: radii and
+    depths (m) of another mesh.
     """
-    mesh = section(np.array([0.0, 0.5, 1.0, 1.9, 3.0]), np.array([0.0, 0.4, 1.0, 2.0]))
+    mesh = section(*(lines or (np.array([0.0, 0.5, 1.0, 1.9, 3.0]), np.array([0.0, 0.4, 1.0, 2.0]))))
     fixed = np.zeros((mesh.n_nodes, 3), dtype=bool)
     fixed[mesh.node_sets["side"], 0] = True
     fixed[mesh.node_sets["bottom"]] = True

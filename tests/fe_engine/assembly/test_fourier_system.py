@@ -223,6 +223,21 @@ def test_border_stiffness_is_the_slope_of_the_forces(body):
         np.testing.assert_allclose(force / 1e-7, matrix[:, j], atol=1e-6 * np.abs(matrix).max())
 
 
+def test_torsion_of_a_rough_disc_is_that_of_the_half_space():
+    """16/3 G R^3 (Reissner & Sagoci 1944), the closer the stiffer the interface."""
+    inner = 1.0 - 0.5 ** np.arange(6.0)
+    outer = 1.0 + np.concatenate([0.5 ** np.arange(5.0, 0.0, -1.0), 1.7 ** np.arange(8.0)])
+    lines = np.concatenate([inner, [1.0], outer]), np.concatenate([[0.0], 1.7 ** np.arange(-7.0, 8.0)])
+    found = []
+    for penalty in (1e10, 1e11, 1e13):
+        model = disc(0, elastic.LAW, contact=(penalty, penalty, 0.5), whole=True, lines=lines)
+        found.append(start(model).driver.newton.border_stiffness(State(model))[5, 5])
+    _, shear = model.materials[0].law.moduli(model.materials[0].parameters)
+    closed = 16.0 / 3.0 * float(np.ravel(shear)[0])
+    assert found[0] < found[1] < found[2]
+    assert found[2] == pytest.approx(closed, rel=0.015)
+
+
 def test_vertical_load_is_axisymmetric_whatever_the_number_of_harmonics():
     ends = []
     for harmonics in (0, 3):
