@@ -149,7 +149,10 @@ _VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are roundi
 
 @dataclass(frozen=True, slots=True)
 class LimitLoad(_Part):
-    """Limit load of a path: loads of the whole caisson and motion in its last converged state, and the criterion."""
+    """Limit load of a path: loads of the whole caisson and motion in its last converged state, and the criterion.
+
+    Off a plane H, M, u and rotation are sizes of the horizontal vectors.
+    """
 
     H_N: float
     V_N: float
