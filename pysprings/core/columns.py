@@ -82,20 +82,13 @@ class Table:
 
     Attributes
     ----------
-    title
-        Caption; blank for none.
-    columns
-        Headings with units.
-    rows
-        Cells by row.
-    note
-        Remark below the table.
-    head
-        Show the headings.
-    wide
-        The table scrolls where a page is narrow, and has small type in print.
-    left
-        Whether each of the first columns is set to the left on a terminal; the others are not.
+    title : Caption; blank for none.
+    columns : Headings with units.
+    rows : Cells by row.
+    note : Remark below the table.
+    head : Show the headings.
+    wide : The table scrolls where a page is narrow, and has small type in print.
+    left : Whether each of the first columns is set to the left on a terminal; the others are not.
     """
 
     title: str

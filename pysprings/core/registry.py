@@ -34,17 +34,13 @@ class Registry(Generic[Item]):
 
     Parameters
     ----------
-    kind
-        What a case is, for messages: "exporter".
-    items
-        Cases of this package.
-    group
-        Group of entry points; blank for none.
+    kind : What a case is, for messages: "exporter".
+    items : Cases of this package.
+    group : Group of entry points; blank for none.
 
     Attributes
     ----------
-    built_in
-        Cases of this package; help texts list them, because they load no entry points.
+    built_in : Cases of this package; help texts list them, because they load no entry points.
     """
 
     def __init__(self, kind: str, items: Iterable[Item] = (), group: str = "") -> None:

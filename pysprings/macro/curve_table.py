@@ -95,10 +95,8 @@ def build_table(path: SpringPath, companions: bool) -> SpringTable:
 
     Parameters
     ----------
-    path
-        The path; its converged steps are used.
-    companions
-        With them p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
+    path : The path; its converged steps are used.
+    companions : With them p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
 
     Notes
     -----

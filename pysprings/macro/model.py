@@ -40,28 +40,18 @@ class MacroModel:
 
     Attributes
     ----------
-    response
-        The lateral springs, and how they answer.
-    spring_set
-        Name of the spring set: see `pysprings.macro.spring_sets`.
-    stiffness_initial
-        (3, 3) initial tangent of the full model for (u, w, rotation); None for springs of a table without a vertical
-        path: their answers have no w and V.
-    attrs
-        Attributes of the spring set (geometry, provenance).
-    remarks
-        Sentences that go with every answer.
-    vertical
-        Vertical springs; None where there are none: then w under another V is elastic.
-    settled
-        What is missing in w [m] of lateral springs that lie between two vertical loads: their settlement is that of
-        the vertical springs.
-    ends
-        How the paths of the springs ended, by name.
-    elastic_loads
-        Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.capacity`.
-    behind
-        The paths that the lateral springs come from.
+    response : The lateral springs, and how they answer.
+    spring_set : Name of the spring set: see `pysprings.macro.spring_sets`.
+    stiffness_initial : (3, 3) initial tangent of the full model for (u, w, rotation); None for springs of a table
+        without a vertical path: their answers have no w and V.
+    attrs : Attributes of the spring set (geometry, provenance).
+    remarks : Sentences that go with every answer.
+    vertical : Vertical springs; None where there are none: then w under another V is elastic.
+    settled : What is missing in w [m] of lateral springs that lie between two vertical loads: their settlement is that
+        of the vertical springs.
+    ends : How the paths of the springs ended, by name.
+    elastic_loads : Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.capacity`.
+    behind : The paths that the lateral springs come from.
     """
 
     response: Response

@@ -54,10 +54,8 @@ def vertical_answer(
 
     Parameters
     ----------
-    w, V
-        Vertical displacement [m] and load [N] of the lateral springs by step; None if a table has none.
-    imposed
-        Imposed vertical load [N], one number or one a step; None: that of the lateral springs.
+    w, V : Vertical displacement [m] and load [N] of the lateral springs by step; None if a table has none.
+    imposed : Imposed vertical load [N], one number or one a step; None: that of the lateral springs.
     """
     if model.stiffness_initial is None or w is None or V is None:
         if imposed is not None:

@@ -118,12 +118,9 @@ def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | N
 
     Parameters
     ----------
-    path
-        One path of a result.
-    step
-        Index of a step; taken as it is.
-    displacement
-        Lateral displacement u of the lid centre [m].
+    path : One path of a result.
+    step : Index of a step; taken as it is.
+    displacement : Lateral displacement u of the lid centre [m].
     """
     if step is not None:
         if not -path.sizes["step"] <= step < path.sizes["step"]:

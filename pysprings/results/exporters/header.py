@@ -54,14 +54,10 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
 
     Parameters
     ----------
-    source
-        Springs of the export.
-    target
-        Program and kind of file.
-    frame, units
-        Axes with their signs, and units, of the numbers in the file.
-    use
-        A sentence on the kind of loading that the numbers stand for.
+    source : Springs of the export.
+    target : Program and kind of file.
+    frame, units : Axes with their signs, and units, of the numbers in the file.
+    use : A sentence on the kind of loading that the numbers stand for.
     """
     springs = source.springs
     attrs, given = springs.attrs, Springs.of(springs)

@@ -29,16 +29,11 @@ class ReportData:
 
     Attributes
     ----------
-    result, springs
-        Full model; spring set, None where too little converged.
-    comparison
-        Errors of the macro-model by path and spring set; None without springs.
-    run
-        Record of the run; None without one.
-    cases
-        Answers to load cases in SI, a row a case; None without any.
-    path
-        Name of the path, for tables of the section "path".
+    result, springs : Full model; spring set, None where too little converged.
+    comparison : Errors of the macro-model by path and spring set; None without springs.
+    run : Record of the run; None without one.
+    cases : Answers to load cases in SI, a row a case; None without any.
+    path : Name of the path, for tables of the section "path".
     """
 
     result: xr.DataTree

@@ -205,20 +205,13 @@ def render(
 
     Parameters
     ----------
-    result
-        Full model.
-    springs
-        Spring set; the equilibrium check is made on it, else on the result.
-    compare
-        Table of `pysprings.macro.comparison.compare`, one row per path and spring set.
-    run
-        Record of the run: cost by phase, what was left out.
-    figures
-        Picture files, named as `pysprings.results.plots.save_all` names them.
-    cases
-        Answers to load cases (`pysprings design`), in SI.
-    live
-        Interactive parts; None for a page without scripts.
+    result : Full model.
+    springs : Spring set; the equilibrium check is made on it, else on the result.
+    compare : Table of `pysprings.macro.comparison.compare`, one row per path and spring set.
+    run : Record of the run: cost by phase, what was left out.
+    figures : Picture files, named as `pysprings.results.plots.save_all` names them.
+    cases : Answers to load cases (`pysprings design`), in SI.
+    live : Interactive parts; None for a page without scripts.
     """
     data = ReportData(result, springs, compare, run, cases)
     kinds = {name: path.attrs for name, path in data.paths.items()}

@@ -40,12 +40,9 @@ def library_input(head: Sequence[str], library: str, springs: str, places: Seque
 
     Parameters
     ----------
-    library
-        Shared library, relative to the working folder of OpenFAST.
-    springs
-        Spring file, relative to the input file; at most 45 letters with the folder of the input file.
-    places
-        Points (x, y, z) [m].
+    library : Shared library, relative to the working folder of OpenFAST.
+    springs : Spring file, relative to the input file; at most 45 letters with the folder of the input file.
+    places : Points (x, y, z) [m].
     """
     points = [f'{x:.10g} {y:.10g} {z:.10g} "{springs}" "{springs}"' for x, y, z in places]
     return _input(head, LIBRARY, np.zeros((6, 6)), places[0], points, library)
@@ -250,8 +247,7 @@ def build_command(words: list[str], output: Path, platform: str = sys.platform) 
 
     Parameters
     ----------
-    words
-        Compiler with options of the user's own; `cl` is that of Visual Studio, all others take options as gcc.
+    words : Compiler with options of the user's own; `cl` is that of Visual Studio, all others take options as gcc.
     """
     if Path(words[0]).stem.lower() == "cl":
         return [*words, "/nologo", "/O2", "/LD", *map(str, SOURCES), f"/Fe:{output}"]
