@@ -5,8 +5,6 @@ Axes are those of the field: x, y to its left seen from above, rotations and mom
 depth are positive down. The engine has y to the right of x.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -5,8 +5,6 @@ GEF is a header and columns, AGS a CSV file of groups, and one element of the XM
 page each. pygef would bring polars (172 MB), python-ags4 holds pandas below 3.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 import xml.etree.ElementTree as ElementTree

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Paths that leave the plane of one load: scene keys, refusals, and what a run makes of them."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

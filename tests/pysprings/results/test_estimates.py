@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Runs of several estimates: folders, files side by side, load cases over them, exports, and what is refused."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Files of tests, points and layers: the same numbers from every format, or one clear line."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
