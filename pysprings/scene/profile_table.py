@@ -13,11 +13,12 @@ one depth are a layer boundary; points on a straight line make one layer.
 openpile's layers have `top` and `bottom` as elevations, `weight` (total), `Su`, `G0`, `phi` and `eps50` without units:
 m, kN/m3, kPa, degrees.
 
-A row with su, without law and friction angle, is Tresca clay, unless [soil] names a law of clay. A total unit weight
-beside an effective one is not used.
+A row with su, without law and friction angle, is Tresca clay, unless [soil] names a law of clay. A row with relative
+density, without law, friction angle and su, is `sand`. A total unit weight beside an effective one is not used.
 """
 
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -28,10 +29,10 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.tables import Column, Table, one_table, split
+from pysprings.core.tables import Column, Table, TableNote, one_table, split
 from pysprings.core.tables.cells import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
-from pysprings.core.units import show, si_of
+from pysprings.core.units import quoted, show, si_of
 from pysprings.core.words import ESTIMATES
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
@@ -46,6 +47,7 @@ TOTAL = "total_unit_weight"  # less that of water it is the effective one
 WATER = 9.81e3  # N/m3
 EPS50 = "eps50"  # axial strain at half of su in a triaxial test: two thirds of the engineering shear strain
 VELOCITY = "shear_wave_velocity"
+DENSITY = "relative_density"
 # names of columns that are no keys of [soil], and other names of those, in lower case
 NAMES: dict[str, tuple[str, ...]] = {
     "top": ("depth from", "z from", "top depth", "depth top", "from"),
@@ -63,6 +65,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "overconsolidation_ratio": ("ocr",),
     "shear_modulus": ("g0", "g", "gmax", "g max", "g 0", "small strain shear modulus"),
     "strain_at_half_strength": (),
+    DENSITY: ("dr", "density index", "id", "d r"), "critical_friction_angle": ("phi cv", "phi cs", "phi crit"),
     TOTAL: ("weight", "bulk unit weight", "saturated unit weight", "gamma sat", "gamma bulk"),
     EPS50: ("epsilon 50",), VELOCITY: ("vs", "v s"),
 }  # fmt: skip
@@ -71,7 +74,7 @@ _STRESSES = (
     "total stress", "effective vertical stress", "overburden",
 )  # fmt: skip
 _UNUSED = (
-    "dr", "relative density", "id", "density index", "water content", "w", "liquid limit", "plastic limit",
+    "water content", "w", "liquid limit", "plastic limit",
     "void ratio", "location identifier", "location", "borehole", "remark", "remarks", "comment", "comments",
     "description", "source",
 )  # fmt: skip
@@ -88,7 +91,7 @@ _KINDS = {
     "a list of laboratory tests": ("sample", "specimen", "test", "test type", "type", "su peak", "location", "bh"),
 }
 _STIFF = ("young_modulus", "shear_modulus", "rigidity_ratio")
-_STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion")
+_STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion", DENSITY)
 # of the name of a column: key, estimate, end
 _PARTS = re.compile(rf"(.+?)(?: ({'|'.join(ESTIMATES)}))?(?: (from|to))?")
 _PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
@@ -151,6 +154,7 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     if not len(table):
         raise UserInputError([Problem(str(file), message="holds no layers: expected a heading and a row a layer")])
     _split_pairs(table)
+    _leave_out_words(table)
     _check_columns(table, soil)
     values = {name: table.numbers(name, most=False) for name in table.columns if name not in ("name", "law")}
     ends = row_ends(table, values)
@@ -158,6 +162,7 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     if "depth" in table and "top" not in table:
         table.faults.stop()
         layers, ends = between(table, layers, ends[0])
+    beside: list[str] = []
     for k, layer in enumerate(layers):
         layer["top"] = show(float(np.nan_to_num(ends[0][k])), "m")
         if {"undrained_shear_strength", "friction_angle_final"} <= set(layer):
@@ -166,6 +171,12 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
         _check_layer(table, layer, k)
         if _is_clay(layer, soil.get("yield_surface")):
             layer["law"] = "tresca"
+        if DENSITY in layer and not _is_sand(layer, soil):
+            del layer[DENSITY]
+            beside.append(str(layer.get("name", k + 1)))
+    if beside:
+        text = f"relative density of {', '.join(beside)} (law sand has no other strength beside it)"
+        warnings.warn(f"{table.place}: not used: {text}", TableNote, stacklevel=2)
     _check_joints(table, *ends)
     if len(layers) > MOST_LAYERS:
         table.faults.add((table.place, None), None, f"holds {len(layers)} layers, at most {MOST_LAYERS}: join some")
@@ -228,6 +239,14 @@ def _split_pairs(table: Table) -> None:
             row += [None] * (len(table.head) - len(row))
             if pair := found.get(n):
                 row[k], row[-1] = float(pair[1]), float(pair[2])
+
+
+def _leave_out_words(table: Table) -> None:
+    """Leave out a column of relative density in words: "medium dense"."""
+    for name in [each for each in table.columns if _parts(each)[0] == DENSITY]:
+        if any(isinstance(cell, str) and re.search("[a-z]{4}", cell.lower()) for cell in table.cells(name)):
+            warnings.warn(f"{table.place}: not used: {quoted(table.key(name))} (words)", TableNote, stacklevel=2)
+            del table.columns[name]
 
 
 def _check_columns(table: Table, soil: Mapping[str, Any]) -> None:
@@ -341,6 +360,18 @@ def _is_clay(layer: dict[str, Any], law: object) -> bool:
     """Return whether a row without a law is Tresca clay: it has su, no friction angle, and [soil] no law of clay."""
     named = isinstance(law, str) and law in SOIL_LAWS and SOIL_LAWS[law].total_stress
     return "undrained_shear_strength" in layer and not {"law", "friction_angle_final"} & set(layer) and not named
+
+
+def _is_sand(layer: dict[str, Any], soil: Mapping[str, Any]) -> bool:
+    """Return whether the relative density of a row counts: it has law sand, which a row without other strength gets."""
+    law = soil.get("yield_surface")
+    if (
+        "law" not in layer
+        and law != "sand"
+        and {"friction_angle_final", "undrained_shear_strength"}.isdisjoint({*layer, *soil})
+    ):
+        layer["law"] = "sand"
+    return bool(layer.get("law", law) == "sand")
 
 
 def _check_layer(table: Table, layer: dict[str, Any], k: int) -> None:

@@ -33,9 +33,8 @@ _TEST_COLUMNS = (
     Column("Rf", "1", ("r f", "friction ratio", "wrijvingsgetal"), "", "", 0.01),
     Column("location", TEXT, ("location identifier", "loca id", "borehole", "hole", "cpt", "bh")),
 )  # fmt: skip
-_DENSITY = Column("relative_density", "1", ("dr", "density index", "id", "d r"), "", "", 0.01)
 _PEAKS = ("su peak q", "su uu", "su dss", "su cauc", "cu peak", "failure shear stress", "peak shear stress")
-MEASURED = (*BY_LAYER, "relative_density")  # what points and layers may give
+MEASURED = BY_LAYER  # what points and layers may give
 
 
 @dataclass(frozen=True)
@@ -168,11 +167,8 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
 
 
 def _value_columns() -> tuple[Column, ...]:
-    """Return the columns of `soil.profile` and those that the proposal uses beside them."""
-    ends = [Column(f"relative_density {end}", "1", tuple(f"{name} {end}" for name in _DENSITY.names), percent=0.01)
-            for end in ("from", "to")]  # fmt: skip
-    known = [each for each in columns() if each.name not in (*_DENSITY.names, "relative density")]
-    return (*known, _DENSITY, *ends, Column("su peak", "Pa", _PEAKS, "kPa"))
+    """Return the columns of `soil.profile`, and strengths of tests by other names."""
+    return (*columns(), Column("su peak", "Pa", _PEAKS, "kPa"))
 
 
 def _points(path: Path, sheets: list[Sheet]) -> Points:

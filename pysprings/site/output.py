@@ -19,23 +19,24 @@ from pysprings.scene.profile_table import field_of
 from pysprings.scene.sections import BY_LAYER
 from pysprings.site.proposal import Proposal, Unit, Value
 
-LAWS = {"sand": "van-eekelen", "clay": "tresca"}
+# keys that the table does not have beside a law: strength by density, or by angles
+_OTHER = {"sand": ("friction_angle_final", "dilation_angle")}
+_OF_OTHERS = ("relative_density", "critical_friction_angle")
 
 
 @dataclass(frozen=True)
 class Shown:
-    """How a value is written: heading of the table, symbol, unit, factor from SI; whether `soil.profile` reads it."""
+    """How a value is written: heading of the table, symbol, unit, factor from SI."""
 
     head: str
     symbol: str
     unit: str
     factor: float = 1.0
-    written: bool = True
 
 
 VALUES = {
     "effective_unit_weight": Shown("Effective unit weight", "gamma'", "kN/m3", 1e-3),
-    "relative_density": Shown("Relative density", "D_r", "-", 1.0, False),
+    "relative_density": Shown("Relative density", "D_r", "-"),
     "friction_angle_final": Shown("phi", "phi", "deg", 180.0 / np.pi),
     "dilation_angle": Shown("psi", "psi", "deg", 180.0 / np.pi),
     "cohesion": Shown("Cohesion", "c", "kPa", 1e-3),
@@ -104,7 +105,7 @@ def remarks(proposal: Proposal) -> list[str]:
     out = list(proposal.notes)
     angles = [unit.values["friction_angle_final"] for unit in proposal.units if "friction_angle_final" in unit.values]
     if any(not each.sources[0].startswith("given") for each in angles):
-        out.append("phi of correlations are peak angles of triaxial compression: too strong where sand has softened")
+        out.append("phi of correlations are peak angles of triaxial compression: law sand has its own, and softens")
     for k, unit in enumerate(proposal.units, start=1):
         marks = [f"{shown.symbol} outside the range of {', '.join(value.outside)}"
                  for _, shown, value in _of(unit) if value.outside]  # fmt: skip
@@ -131,12 +132,19 @@ def document(proposal: Proposal) -> dict[str, Any]:
     return {**about, "layers": layers, "notes": proposal.notes}
 
 
+def _written(unit: Unit) -> dict[str, Value]:
+    """Return the values that the law of a layer has."""
+    others = _OTHER.get(unit.law, _OF_OTHERS)
+    return {key: value for key, value in unit.values.items() if key not in others}
+
+
 def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
     """Return the rows of the table of `soil.profile`, with remarks behind a # below it."""
     heads: list[tuple[str, str, int, int]] = []  # heading, key, estimate, end
+    values = [_written(unit) for unit in proposal.units]
     for key, shown in VALUES.items():
-        own = [unit.values[key].lines for unit in proposal.units if key in unit.values]
-        if not own or not shown.written:
+        own = [each[key].lines for each in values if key in each]
+        if not own:
             continue
         ranged = any(np.ptp(lines, axis=0).any() for lines in own)
         by_depth = any(np.ptp(lines, axis=1).any() for lines in own)
@@ -145,10 +153,10 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
                 estimate = f" {ESTIMATES[k]}" if ranged else ""
                 heads.append((f"{shown.head}{estimate}{word} [{shown.unit}]", key, k, end))
     table: list[list[Any]] = [["Depth from [m]", "Depth to [m]", "Soil type", "law", *(head[0] for head in heads)]]
-    for unit in proposal.units:
-        row = [_rounded(unit.values[key].lines[k, end] * VALUES[key].factor) if key in unit.values else None
+    for unit, each in zip(proposal.units, values, strict=True):
+        row = [_rounded(each[key].lines[k, end] * VALUES[key].factor) if key in each else None
                for _, key, k, end in heads]  # fmt: skip
-        table.append([unit.top, unit.bottom, unit.name, unit.law or LAWS[unit.kind], *row])
+        table.append([unit.top, unit.bottom, unit.name, unit.law, *row])
     sources = [f"layer {k}, {shown.symbol}: {'; '.join(value.sources)}"
                for k, unit in enumerate(proposal.units, start=1) for _, shown, value in _of(unit)]  # fmt: skip
     head = f"proposed by pysprings ground from {', '.join(files)}: to be read and edited before a run"

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import STIFFNESSES
-from pysprings.site.correlations import CONE_FACTORS, SAND, Correlation, Rows, clay, dilation
+from pysprings.site.correlations import CONE_FACTORS, CRITICAL, SAND, Correlation, Rows, clay, dilation
 from pysprings.site.files import Bed, Points, Site
 from pysprings.site.layering import boundaries
 from pysprings.site.sounding import SAND_TO, TRANSITION, Sounding, behaviour_index, stresses, unit_weight, zone_name
@@ -55,7 +55,7 @@ class Value:
 
 @dataclass
 class Unit:
-    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, given law, values by key."""
+    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, law, values by key."""
 
     top: float
     bottom: float
@@ -247,8 +247,21 @@ def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) ->
         _correlated(unit, part, depth[own], ends, SAND if unit.kind == "sand" else clay(options.cone_factors))
     _derived(unit)
     missing = [key for key in (STRENGTH[unit.kind], "effective_unit_weight") if key not in unit.values]
+    if not unit.law:
+        unit.law = "tresca" if unit.kind == "clay" else "sand" if _by_density(unit) else "van-eekelen"
+    if unit.law == "sand":
+        at_rest = np.full((3, 2), 1.0 - np.sin(CRITICAL))
+        unit.values["K0"] = Value(at_rest, ("1 - sin phi_crit (Jaky 1944), normally consolidated",))
     if missing := missing + ["shear_modulus"] * set(unit.values).isdisjoint(STIFFNESSES):
         unit.remarks.append(f"nothing gives {', '.join(missing)}: fill it in")
+
+
+def _by_density(unit: Unit) -> bool:
+    """Return whether correlations alone give the friction angle of a layer whose relative density is known."""
+    phi = unit.values.get("friction_angle_final")
+    return "relative_density" in unit.values and (
+        phi is None or not phi.sources[0].startswith(("given", *"0123456789"))
+    )
 
 
 def _given(unit: Unit, beds: Sequence[Bed]) -> None:

@@ -290,3 +290,29 @@ def test_points_by_depth_are_linear_between(tmp_path):
 def test_names_of_tables_serve_the_scene(tmp_path):
     with pytest.raises(UserInputError, match=r"soil.phi: unknown key \(did you mean 'friction_angle_final'\?\)"):
         parse_scene('[soil]\nphi = "30 deg"\n')
+
+
+def _table(tmp_path, rows: str, heads: str):
+    (tmp_path / "site.csv").write_text(
+        f"Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3],{heads}\n{rows}"
+    )
+    return tmp_path / "site.csv"
+
+
+def test_relative_density_makes_a_row_without_other_strength_sand(tmp_path):
+    layers = read_layers(_table(tmp_path, "0,4,A,19.81,70,\n4,20,B,18.81,,60\n", "Dr [%],su [kPa]"))
+    assert [(each["law"], each.get("relative_density")) for each in layers] == [("sand", 0.7), ("tresca", None)]
+
+
+def test_relative_density_beside_a_friction_angle_is_not_used(tmp_path):
+    file = _table(tmp_path, "0,20,A,19.81,0.7,36,40\n", "Relative density [-],phi [deg],E [MPa]")
+    with pytest.warns(UserWarning, match="not used: relative density of A"):
+        (layer,) = read_layers(file)
+    assert "relative_density" not in layer and "law" not in layer
+
+
+def test_relative_density_in_words_is_not_used(tmp_path):
+    file = _table(tmp_path, "0,20,A,19.81,medium dense,36,40\n", "Relative density,phi [deg],E [MPa]")
+    with pytest.warns(UserWarning, match=r'not used: "Relative density" \(words\)'):
+        (layer,) = read_layers(file)
+    assert "relative_density" not in layer

@@ -105,6 +105,18 @@ lateral_displacement = "1 mm"
     assert su[1] == pytest.approx(34e3, rel=0.1)
 
 
+def test_sand_is_written_by_its_density_and_with_given_angles_by_these(cpt, tmp_path) -> None:
+    assert command("ground", cpt, "--out", tmp_path / "a.csv", "--no-figures").code == 0
+    sand = read_layers(tmp_path / "a.csv")[0]
+    assert sand["law"] == "sand" and sand["relative_density"]["low"] < sand["relative_density"]["high"]
+    assert sand["K0"] == pytest.approx(1.0 - np.sin(np.radians(33.0)), abs=1e-3)
+    assert not {"friction_angle_final", "dilation_angle"} & set(sand)
+    (tmp_path / "log.csv").write_text("Depth from [m],Depth to [m],Soil type,phi [deg]\n0,5,SAND,36\n5,20,CLAY,\n")
+    assert command("ground", cpt, tmp_path / "log.csv", "--out", tmp_path / "b.csv", "--no-figures").code == 0
+    sand = read_layers(tmp_path / "b.csv")[0]
+    assert (sand["law"], sand["friction_angle_final"]) == ("van-eekelen", "36 deg") and "relative_density" not in sand
+
+
 def test_a_table_is_never_replaced_without_force(cpt, tmp_path) -> None:
     out = tmp_path / "site.csv"
     out.write_text("mine")
