@@ -140,7 +140,7 @@ def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped
     with result_folder(folder, force, options.resume):
         if options.resume and not is_unfinished(folder):
             return _ended_run(folder, on_mesh(loaded, options.mesh))
-        return _run(loaded, folder, options, extra)
+        return run_one(loaded, folder, options, extra)
 
 
 def run_estimates(scene: Path, folder: Path, options: RunOptions, force: bool, as_json: bool) -> None:
@@ -184,7 +184,7 @@ def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[
     return presets.applied(setting, scene), extra
 
 
-def _run(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any]) -> Stopped:
+def run_one(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any]) -> Stopped:
     """Run a scene; return the error that ended it early if results were written nevertheless."""
     from pysprings.core.progress import reporter
     from pysprings.results.folder import Writing, run_to_folder

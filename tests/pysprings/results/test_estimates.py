@@ -158,13 +158,13 @@ def test_an_estimate_that_stops_leaves_the_others(tmp_path: Path, monkeypatch: p
     from pysprings.core.errors import RunIncomplete
 
     (tmp_path / "a.toml").write_text(text())
-    whole = module._run
+    whole = module.run_one
 
     def stops(scene, folder, *rest):
         stopped = whole(scene, folder, *rest)
         return RunIncomplete("invented", folder) if folder.name == "low" else stopped
 
-    monkeypatch.setattr(module, "_run", stops)
+    monkeypatch.setattr(module, "run_one", stops)
     words = [word for each in NAMES for word in ("--estimate", each)]
     done = command("run", tmp_path / "a.toml", "--out", tmp_path / "out", "--no-figures", *words)
     assert done.code == 3 and "invented" in done.err
