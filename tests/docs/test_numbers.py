@@ -15,7 +15,7 @@ GIVEN = {
     "first-run": {200.0},
     "sand": {200.0, 35.0, 30.0},  # D/200; friction angle and depth of the ground
     "clay": {200.0, 48.0},  # G/su and radius of the template
-    "partially-drained": {400.0, 40.0, 30.0, 2973.0},  # seconds at its rates; metres of water; K_H of first-run
+    "partially-drained": {400.0, 40.0, 30.0, 2957.0},  # seconds at its rates; metres of water; K_H of first-run
 }
 
 
