@@ -115,10 +115,10 @@ paper-evidence: $(DEV)
 	$(BIN)/python -m validation.paper --mesh $(MESH) --sensitivity --out out/paper-$(MESH)
 	$(BIN)/python -m validation.paper.evidence out/paper-$(MESH) --mesh $(MESH)
 
-# the study behind --target-error and docs/evidence/accuracy.md: runs what has not run yet
+# the study behind docs/evidence/accuracy.md: runs what has not run yet
 STUDY := pysprings accuracy data/scenes/service-load.toml
 accuracy: $(DEV)
-	$(BIN)/$(STUDY) --out out/accuracy --write-presets pysprings/full_model/accuracy/presets.json
+	$(BIN)/$(STUDY) --out out/accuracy
 	$(BIN)/python -m tools.evidence_store accuracy out/accuracy/accuracy.md --command "$(STUDY)"
 	cp out/accuracy/accuracy.png docs/evidence/
 

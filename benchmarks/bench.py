@@ -2,7 +2,6 @@
 """What the solver costs, as ratios taken in one run: `make bench`, or `python -m benchmarks.bench [SECTION ...]`.
 
 units    the paper's pull, drained, on `paper`: wall time in units of one factorisation and solve of its own tangent
-targets  5 % and 2 % of error: wall time
 growth   unit, wall time and memory against unknowns, drained and coupled, with fitted exponents
 fine     the same pull on at least 100,000 nodes
 solvers  factors of its own for every tangent, or those of earlier ones, by mesh
@@ -96,17 +95,6 @@ def units() -> None:
         print(text_of(f"paper, to {end / MM:g} mm", record("paper", end)), flush=True)
 
 
-def targets() -> None:
-    """Run the cheapest settings of the shipped study for 5 % and 2 % again: wall time beside the study's errors."""
-    from pysprings.full_model.accuracy import presets
-
-    for target in ("5%", "2%"):
-        setting = presets.cheapest(target)
-        errors = presets.note(target, setting)["error_in_study_pct"]
-        wall = record_of(setting.scene(scene("coarse", 2.5 * MM))).wall_s
-        print(f"within {target}: {setting.name}, {wall:.1f} s; errors in the study {errors}", flush=True)
-
-
 def growth() -> None:
     """Print exponents of cost and memory over unknowns, to 1 mm."""
     for mode, meshes in GROWTH.items():
@@ -174,7 +162,7 @@ def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
 
 
 SECTIONS: dict[str, Callable[[], None]] = {
-    "units": units, "targets": targets, "growth": growth, "fine": fine, "solvers": solvers,
+    "units": units, "growth": growth, "fine": fine, "solvers": solvers,
 }  # fmt: skip
 
 

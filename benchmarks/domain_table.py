@@ -17,7 +17,7 @@ from fe_engine.state import State
 from pysprings.full_model.discretise import make_engine
 from pysprings.model.forecast import domain_effect
 from pysprings.model.fourier import build_on_section
-from pysprings.model.fourier_mesh import PRESETS
+from pysprings.model.fourier_mesh import FRICTIONAL, PRESETS
 from pysprings.scene.load import Scene
 from pysprings.scene.sections import PAPER_SOIL
 
@@ -39,7 +39,7 @@ def stiffness(slenderness: float, beside: float, below: float, poisson: float, s
         "mesh": {"preset": "medium", "discretisation": "fourier", "harmonics": 1},
         "path": [{"name": "pull", "kind": "pull", "lateral_displacement": 1e-3}],
     })  # fmt: skip
-    built = build_on_section(scene, PRESETS["medium"])
+    built = build_on_section(scene, PRESETS[FRICTIONAL]["medium"])
     engine = make_engine(scene, built, Clock())
     matrix = 2.0 * engine.newton.border_stiffness(State(built.model))
     engine.newton.close()

@@ -44,7 +44,7 @@ WORDS = {"load_max": "load", "py_rms": "p-y", "rotation_max": "rotation", "stiff
 # Fourier series -> meshes of the truth, meshes whose estimates are judged
 MESHES = {
     False: (("medium:0.7", "medium", "medium:1.4"), ("coarse:0.6", "coarse")),
-    True: (("fourier-coarse@5", "fourier-coarse:2@5", "fourier-coarse:3@5"), ("fourier-coarse", "fourier-medium")),
+    True: (("fourier-medium@5", "fourier-medium:1.4@5", "fourier-medium:2@5"), ("fourier-coarse",)),
 }
 DEG = math.pi / 180.0
 OUTPUT = {"interface_fields": False, "section": False, "figures": False}
@@ -172,7 +172,7 @@ def estimated(scene: Scene, folder: Path) -> tuple[Any, dict[str, Any]]:
     beside = companions_of(scene, stored)
     done = stored(scene_to_run(scene, harmonics=beside.harmonics))
     done.record.mesh = MeshFigures(harmonics=done.tree.attrs.get("harmonics"))
-    add_estimate(scene, done, beside)
+    done = add_estimate(scene, done, beside)
     assert done.record.error_estimate is not None
     return done.tree, done.record.error_estimate
 

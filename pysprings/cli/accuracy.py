@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pysprings.cli.folders import refuse_no_folder
-from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
+from pysprings.cli.support import interruptible, print_json, print_table, to_stderr
 from pysprings.core.columns import records
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
@@ -18,13 +18,10 @@ from pysprings.studies.accuracy.rows import StudyResult
 
 
 def run(
-    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, file: Path | None,
-    formats: Sequence[str], as_json: bool,
-) -> None:  # fmt: skip
+    scene: Scene, out: Path, meshes: Sequence[str], quick: bool, force: bool, formats: Sequence[str], as_json: bool
+) -> None:
     """Run or go on; raise RunIncomplete at the end where a run has not reached its end."""
     refuse_no_folder(out)
-    if file is not None and file.is_dir():
-        refuse("--write-presets", "is a folder, not a file", file)
     chosen = settings(meshes, quick, *_linear_solvers(scene), fourier=presets.carries_series(scene))
     try:
         with interruptible(), reporter(sys.stderr) as progress:
@@ -32,8 +29,6 @@ def run(
     except KeyboardInterrupt:
         to_stderr(f"what has run is kept in {out}; the same command goes on")
         raise
-    if file is not None:
-        to_stderr(f"presets: {study.write_presets(scene, outcome, file)}")
     if as_json:
         print_json({"folder": str(out), **study.to_json(scene, outcome)})
     else:

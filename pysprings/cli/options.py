@@ -21,7 +21,8 @@ Series = Annotated[
     Discretisation | None, typer.Option("--discretisation", help="bricks or Fourier series instead of the scene's")
 ]
 Target = Annotated[
-    TargetError | None, typer.Option("--target-error", help="the cheapest setting with this error, instead of a mesh")
+    TargetError | None,
+    typer.Option("--target-error", help="run on finer meshes until the run's own estimate is within it"),
 ]
 Changes = Annotated[
     list[str] | None,
@@ -59,7 +60,7 @@ def drawn(figures: Figures | None, none: bool) -> Figures | None:
     return "none" if none else figures
 
 
-_METAVARS = {"N": "FORCE", "N m": "MOMENT", "m": "LENGTH", "rad": "ANGLE", "m/s": "VELOCITY"}
+_METAVARS = {"N": "FORCE", "N m": "MOMENT", "m": "LENGTH", "rad": "ANGLE", "m/s": "VELOCITY", "s": "TIME"}
 
 
 def quantity(flag: str, unit: str, example: str, words: str) -> Any:

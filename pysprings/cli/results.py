@@ -227,18 +227,15 @@ def print_cost(record: RunRecord) -> None:
 
 
 def print_estimate(record: RunRecord) -> None:
-    """Print the setting of a target error, and the error estimate of the run."""
-    if target := record.target_error:
+    """Print the runs to a target error, and the error estimate of the run."""
+    if noted := record.target_error:
         from pysprings.core.text import percent
-        from pysprings.full_model.accuracy.measures import MEASURES
+        from pysprings.full_model.accuracy.target import JUDGED
 
-        errors = target["error_in_study_pct"].items()
-        parts = ", ".join(f"{MEASURES[name].head} {percent(value)}" for name, value in errors)
-        study = target["study"]
-        print(
-            f"target error {target['target']}: setting {target['setting']}, in the study of '{study['scene']}' {parts}"
-        )
-        if missed := target.get("missed"):
+        for run in noted["runs"]:
+            found = ", ".join(f"{words} {percent(run[name])}" for name, words in JUDGED.items() if name in run)
+            print(f"target error {noted['target']}: {run['preset']}, refinement {run['refinement']:g}: {found or '-'}")
+        if missed := noted.get("missed"):
             print(printable(missed))
     if estimate := record.error_estimate:
         from pysprings.full_model.accuracy.two_mesh import words

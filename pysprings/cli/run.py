@@ -26,6 +26,7 @@ from pysprings.cli.options import (
     Series,
     Target,
     drawn,
+    quantity,
 )
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
@@ -46,6 +47,7 @@ class RunOptions:
     mesh: str | None = None
     discretisation: str | None = None
     target: str | None = None
+    budget: float | None = None
     estimate: bool | None = None
     resume: bool = False
     changes: tuple[str, ...] = ()
@@ -58,7 +60,9 @@ class RunOptions:
     def command(self, scene: Path, folder: Path) -> str:
         """Return the command that resumes the run."""
         given = {
-            "--mesh": self.mesh, "--target-error": self.target, "--discretisation": self.discretisation,
+            "--mesh": self.mesh, "--target-error": self.target,
+            "--budget": None if self.budget is None else f"'{self.budget:g} s'",
+            "--discretisation": self.discretisation,
             "--figures": self.figures, "--figure-format": self.format if self.format != "png" else None,
         }  # fmt: skip
         options = "".join(f" {flag} {value}" for flag, value in given.items() if value)
@@ -78,6 +82,9 @@ def run(
     mesh: Mesh = None,
     discretisation: Series = None,
     target: Target = None,
+    budget: Annotated[
+        float | None, quantity("--budget", "s", "10 min", "time that the runs to a target error may take in all")
+    ] = None,
     estimate: Annotated[
         bool | None,
         typer.Option(
@@ -111,9 +118,11 @@ def run(
 
     if verbose and quiet:
         refuse("--quiet", "give either this or --verbose")
+    if budget is not None and target is None:
+        refuse("--budget", "bounds the time of --target-error: give both")
     write_log(log)
     options = RunOptions(
-        mesh, discretisation, target, estimate, resume, tuple(changes or ()), drawn(figures, no_figures),
+        mesh, discretisation, target, budget, estimate, resume, tuple(changes or ()), drawn(figures, no_figures),
         figure_format, quiet, jobs, chosen(estimates),
     )  # fmt: skip
     folder = out or Path("out") / scene.stem
@@ -136,11 +145,12 @@ def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped
     own = [f"soil.estimate={each}" for each in options.estimates]
     if own:
         refuse_without_ranges(scene)
-    loaded, extra = _chosen(load(scene, options.discretisation, [*options.changes, *own]), options)
+    loaded = load(scene, options.discretisation, [*options.changes, *own])
+    loaded = loaded if options.target is None else target_start(loaded, options.target, options.mesh)
     with result_folder(folder, force, options.resume):
         if options.resume and not is_unfinished(folder):
             return _ended_run(folder, on_mesh(loaded, options.mesh))
-        return run_one(loaded, folder, options, extra)
+        return run_one(loaded, folder, options)
 
 
 def run_estimates(scene: Path, folder: Path, options: RunOptions, force: bool, as_json: bool) -> None:
@@ -160,46 +170,35 @@ def run_estimates(scene: Path, folder: Path, options: RunOptions, force: bool, a
         raise error
 
 
-def _chosen(scene: Scene, options: RunOptions) -> tuple[Scene, dict[str, Any]]:
-    """Return the scene with the setting of a target error, and arguments of `run_to_folder`."""
-    if options.target is not None:
-        return with_target(scene, options.target, options.mesh is not None)
-    return scene, {"estimate_error": options.estimate}
+def target_start(scene: Scene, word: str, mesh: str | None) -> Scene:
+    """Return the scene on the mesh from which runs to a target error begin."""
+    from pysprings.full_model.accuracy import target
 
-
-def with_target(scene: Scene, target: str, has_mesh: bool) -> tuple[Scene, dict[str, Any]]:
-    """Return the scene with the cheapest setting for a target error, and arguments of `run_to_folder`.
-
-    The setting chooses the discretisation, too.
-    """
-    from pysprings.full_model.accuracy import presets
-
-    if has_mesh:
+    if mesh is not None:
         refuse("--target-error", "chooses the mesh itself: give it or --mesh")
-    presets.refuse_outside(target, scene)
-    setting = presets.cheapest(target, scene=scene)
-    if smaller := presets.smaller(setting, scene):
-        to_stderr(f"note: --target-error {target}: {smaller}")
-    extra = {"estimate_error": True, "target_error": presets.note(target, setting)}
-    return presets.applied(setting, scene), extra
+    return target.start(scene, word)
 
 
-def run_one(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, Any]) -> Stopped:
+def run_one(scene: Scene, folder: Path, options: RunOptions) -> Stopped:
     """Run a scene; return the error that ended it early if results were written nevertheless."""
     from pysprings.core.progress import reporter
     from pysprings.results.folder import Writing, run_to_folder
 
-    target_error = extra.pop("target_error", None)
     before = record_stamp(folder)
     with interruptible():
         compile_first(on_mesh(scene, options.mesh), options.quiet)
     try:
         with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
-            run_to_folder(
-                scene, folder, mesh=options.mesh, progress=logged(progress), resume=options.resume,
-                writing=Writing(target_error, options.figures, tuple(options.format.split(","))), jobs=options.jobs,
-                **extra,
-            )  # fmt: skip
+            given: dict[str, Any] = {
+                "progress": logged(progress), "resume": options.resume, "jobs": options.jobs,
+                "writing": Writing(None, options.figures, tuple(options.format.split(","))),
+            }  # fmt: skip
+            if options.target is None:
+                run_to_folder(scene, folder, mesh=options.mesh, estimate_error=options.estimate, **given)
+            else:
+                from pysprings.results.folder import run_to_target
+
+                run_to_target(scene, folder, options.target, options.budget, **given)
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):
             raise
@@ -216,9 +215,10 @@ def run_one(scene: Scene, folder: Path, options: RunOptions, extra: dict[str, An
 def _ended_run(folder: Path, scene: Scene) -> Stopped:
     """Report how the run in a folder has ended; change nothing."""
     from pysprings.cli.results import read_record
+    from pysprings.full_model.accuracy.target import as_ran
 
     record = read_record(folder)
-    refuse_other_run(folder, record, scene)
+    refuse_other_run(folder, record, as_ran(scene, record.target_error))
     to_stderr(f"the run in {folder} has ended ({record.status}): nothing is left to do")
     missed = (record.target_error or {}).get("missed")
     why = missed if record.complete else "; ".join(record.failures)

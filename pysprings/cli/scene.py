@@ -66,13 +66,13 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Validate a scene; print its defaults, what it leaves out, the size of the model and its cost. Solves nothing."""
-    from pysprings.cli.run import with_target
+    from pysprings.cli.run import target_start
     from pysprings.model.forecast.estimate import describe
 
     loaded, chosen = on_mesh(load(scene, discretisation, changes), mesh), {}
     if target is not None:
-        loaded, extra = with_target(loaded, target, mesh is not None)
-        chosen = {"target_error": {name: extra["target_error"][name] for name in ("target", "setting")}}
+        loaded = target_start(loaded, target, mesh)
+        chosen = {"target_error": {"target": target, "begins_with": loaded.mesh.preset}}
     about = chosen | describe(loaded)
     if as_json:
         print_json(description(scene, loaded, about))

@@ -21,9 +21,6 @@ def accuracy(
         list[str] | None,
         typer.Option("--mesh", metavar="PRESET", help="a mesh of the series, or medium:0.7; repeated, three at best"),
     ] = None,
-    presets: Annotated[
-        Path | None, typer.Option("--write-presets", metavar="FILE", help="also write what --target-error chooses from")
-    ] = None,
     force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
@@ -39,7 +36,7 @@ def accuracy(
 
     folder = out or Path("out") / f"accuracy-{scene.stem}"
     formats = formats_of(figures, no_figures, figure_format)
-    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, presets, formats, as_json)
+    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, formats, as_json)
 
 
 def stability(

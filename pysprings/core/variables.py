@@ -12,9 +12,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import xarray as xr
+if TYPE_CHECKING:
+    import xarray as xr
 
 TreeKind = Literal["result", "springs"]
 
@@ -319,6 +320,8 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "attribute capacity_kind: that one is a limit load, or the end of what is known; 0 without load", required=False),
     V("utilisation_V", "vertical load over the largest one that is known downwards, or upwards in tension", "1",
       ("step",), "attribute capacity_V_kind; NaN where no vertical path has a load of this sign", required=False),
+    V("mesh_error_pct", "estimate of the error of the load that the mesh of the full model makes", "percent", ("step",),
+      "of the largest load of the paths beside the state", required=False),
     V("extrapolated", "1 where a spring is used beyond its calibrated range", "1", ("step",)),
     V("path_distance", "distance from the path the springs come from", "1", ("step",),
       "in (u, rotation*skirt_length), relative to the size of the state; of a fan: from its nearest ray",
@@ -348,6 +351,13 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       ("step", "dof", "dof_conjugate"), _TANGENT),
 )
 
+EXTRAPOLATED = "extrapolated"  # group of a path: values of two meshes, in the place of those of its own mesh
+_EXTRAPOLATED = {
+    v.name: replace(v, required=False)
+    for v in (*_BODY.values(), *_SKIRT, *_LID, *_TIP, *(_RESULT_PATH[n] for n in ("F_pw", "F_in", "F_out")), *_slices())
+    if v.name != "converged"
+}
+
 GROUPS: dict[str, dict[str, Variable]] = {
     "result_root": {name: replace(variable, required=False) for name, variable in _SPRINGS_ROOT.items()},
     "result_path": _RESULT_PATH,
@@ -355,6 +365,7 @@ GROUPS: dict[str, dict[str, Variable]] = {
     "section": _SECTION,
     "volume": _VOLUME,
     "convergence": _CONVERGENCE,
+    EXTRAPOLATED: _EXTRAPOLATED,
     "springs_root": _SPRINGS_ROOT,
     "springs_path": _SPRINGS_PATH,
     "prediction": _PREDICTION,
@@ -374,8 +385,8 @@ def group_of(path: str, kind: TreeKind) -> str | None:
         return f"{kind}_path"
     if parts[0] == "space" and len(parts) == 2:
         return "space_path"
-    if parts[0] in ("paths", "space") and parts[2:] == ["convergence"]:
-        return "convergence"
+    if parts[0] in ("paths", "space") and parts[2:] in (["convergence"], [EXTRAPOLATED]):
+        return parts[2]
     return None
 
 

@@ -17,6 +17,7 @@ from pysprings.macro.capacity import past_ends
 from pysprings.macro.response import Support
 from pysprings.macro.vertical_answer import Down, vertical_answer
 from pysprings.macro.ways import RANGE_SLACK, Along, Control, Limit, Turns
+from pysprings.springs.path_ends import MESH_ERROR
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -121,7 +122,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
     values["turned_back"] = turned.back.astype(np.int8)
-    values |= _where_known(support, turned)
+    values |= _where_known(support, turned) | _mesh_errors(model, states)
     values["beyond_end"] = past.astype(np.int8)
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
@@ -149,6 +150,15 @@ def _where_known(support: Support, turned: Turns) -> dict[str, Array]:
     if support.distance is not None or turned.aside.any():
         values["off_path"] = (support.off | turned.aside).astype(np.int8)
     return values
+
+
+def _mesh_errors(model: MacroModel, states: Array) -> dict[str, Array]:
+    """Return the error of the mesh by step: the largest of the paths beside each state; nothing where none has one."""
+    known = {name: end.mesh_error for name, end in model.ends.items()}
+    if not np.isfinite(list(known.values())).any():
+        return {}
+    of_states = [max((known[name] for name in model.response.paths_at(each)), default=np.nan) for each in states]
+    return {MESH_ERROR: np.array(of_states)}
 
 
 def _attributes(

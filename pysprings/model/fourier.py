@@ -23,7 +23,14 @@ from pysprings.model.build import (
     initial_stress,
 )
 from pysprings.model.contact import SURFACE, contact_of
-from pysprings.model.fourier_mesh import PRESETS, CaissonSection, SectionCounts, make_section, refine_section
+from pysprings.model.fourier_mesh import (
+    PRESETS,
+    CaissonSection,
+    SectionCounts,
+    ground_of_sections,
+    make_section,
+    refine_section,
+)
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelRings, add_steel, make_steel_rings
 from pysprings.model.water import make_series_water
@@ -61,7 +68,7 @@ class BuiltFourier:
 
 def section_counts_of(scene: Scene) -> SectionCounts:
     """Return the numbers of elements and harmonics of the scene's preset, as the scene overrides them."""
-    counts = PRESETS[scene.mesh.preset]
+    counts = PRESETS[ground_of_sections(scene)][scene.mesh.preset]
     if scene.mesh.refinement != 1.0:
         counts = refine_section(counts, scene.mesh.refinement)
     if scene.mesh.harmonics is not None:

@@ -3,20 +3,22 @@
 
 from __future__ import annotations
 
+import math
 import os
+import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
-from pysprings.core.errors import UserInputError, reason_of
+from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.files.storage import remove_leftovers, write_attribute, write_text, write_tree
 from pysprings.core.files.written import LIST, WRITING, note, noted, own_folder
 from pysprings.core.progress import Progress
 from pysprings.core.text import json_text
 from pysprings.core.words import Figures, StopReason
-from pysprings.full_model.accuracy import presets
+from pysprings.full_model.accuracy import target
 from pysprings.full_model.accuracy.own_estimate import PHASE
 from pysprings.full_model.compute import RunOptions, Sink, run_into, scene_to_run
 from pysprings.full_model.record import Meter
@@ -49,13 +51,13 @@ class Writing:
 
     Attributes
     ----------
-    target_error : note of the setting that a target chose (`accuracy.presets.note`); its error is judged at the end.
+    target_error : target, scene and earlier runs (`accuracy.target.judged`); its error is judged at the end.
     figures : pictures that are drawn, whatever the scene says; None: those that it asks for.
     formats : formats of the pictures: "png", "svg".
     springs_alone : True writes springs.nc and run.json and no other file.
     """
 
-    target_error: Mapping[str, Any] | None = None
+    target_error: tuple[str, Scene, Sequence[Mapping[str, Any]]] | None = None
     figures: Figures | None = None
     formats: tuple[str, ...] = ("png",)
     springs_alone: bool = False
@@ -82,6 +84,54 @@ def run_to_folder(
     result = run_into(folder, scene, options, _Files(folder, more, more.figures or scene.output.pictures))
     raise_if_incomplete(result, folder)
     return folder
+
+
+def run_to_target(
+    scene: Scene, out: str | os.PathLike[str], word: str, budget: float | None = None,
+    resume: bool | None = False, writing: Writing | None = None, **given: Any,
+) -> Path:  # fmt: skip
+    """Run a scene on finer and finer meshes until its own estimate is within a target; return the folder.
+
+    The scene is on the mesh to begin with (`accuracy.target.start`). The folder has the results of the last run that
+    ended. Runs that would exceed the budget [s] of wall time are not begun: the record names the target as missed. A
+    resumed run goes on from the last one that ended.
+    """
+    folder, began = Path(out), time.monotonic()
+    noted = _noted(folder) if resume else {}
+    scene, (after, _) = target.as_ran(scene, noted), target.finer(scene, noted) if noted.get("missed") else (None, "")
+    if after is not None:
+        scene, resume = after, None
+    while True:
+        before, earlier = time.monotonic(), noted.get("runs", []) if noted.get("missed") else []
+        judged = replace(writing or Writing(), target_error=(word, scene, earlier))
+        try:
+            return run_to_folder(scene, folder, resume=resume, estimate_error=True, writing=judged, **given)
+        except RunIncomplete:
+            noted = _noted(folder)
+            if not noted.get("missed"):
+                raise
+        after, why = target.finer(scene, noted)
+        needed = 0.0 if after is None else target.cost(time.monotonic() - before, scene, after)
+        left = math.inf if budget is None else budget - (time.monotonic() - began)
+        if needed > left:
+            after, why = None, f"a finer mesh takes about {needed:.0f} s, of the budget {max(left, 0.0):.0f} s are left"
+        if after is None:
+            _conclude(folder, f"{noted['missed']}; {why}")
+        scene, resume = after, False
+
+
+def _noted(folder: Path) -> dict[str, Any]:
+    """Return what run.json has on a target of a complete run; empty where there is none."""
+    record = RunRecord.read(folder)
+    return {} if record is None or not record.complete else dict(record.target_error or {})
+
+
+def _conclude(folder: Path, missed: str) -> NoReturn:
+    """Write into run.json how the target is missed, and raise it."""
+    record = RunRecord.read(folder)
+    assert record is not None
+    _write_record(folder, record.as_dict() | {"target_error": {**(record.target_error or {}), "missed": missed}})
+    raise RunIncomplete(missed, folder)
 
 
 def run_or_go_on(
@@ -120,7 +170,8 @@ class _Files(Sink):
         """Write the results as they are at the end, pictures and report; what fails is named in the record."""
         record, meter = computed.record, Meter()
         if self.writing.target_error is not None:
-            record.target_error = presets.judged(self.writing.target_error, record.error_estimate or {})
+            word, scene, earlier = self.writing.target_error
+            record.target_error = target.judged(word, scene, record.error_estimate or {}, earlier)
         with meter.clock.phase("output: files"):
             self._write_results(computed)
         if not self.writing.springs_alone:

@@ -20,6 +20,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import MEMORY, PathKind, bends, driven, is_straight, kind_of, turns_back
+from pysprings.core.variables import EXTRAPOLATED
 from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
 
@@ -269,11 +270,23 @@ class SpringPath(RecordedPath):
         return SpringPath(self.name, self.dataset.isel(step=list(steps)), self.length)
 
 
-def paths_of(tree: xr.DataTree) -> dict[str, RecordedPath]:
-    """Return the paths of a result or of a spring file by name, in order, as they were recorded."""
+def paths_of(tree: xr.DataTree, of_mesh: bool = False) -> dict[str, RecordedPath]:
+    """Return the paths of a result or of a spring file by name, in order, as they were recorded.
+
+    Reactions and motions of a result are those extrapolated from two meshes, where it has them; those of its own mesh
+    for ``of_mesh``.
+    """
     nodes = tree.children["paths"].children if "paths" in tree.children else {}
     length = float(tree.attrs.get("skirt_length_m", np.nan))
-    return {name: RecordedPath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
+    return {name: RecordedPath(name, _recorded(node, of_mesh), length) for name, node in nodes.items()}
+
+
+def _recorded(node: xr.DataTree, of_mesh: bool) -> xr.Dataset:
+    own = node.to_dataset(inherit=False)
+    if of_mesh or EXTRAPOLATED not in node.children:
+        return own
+    better = node.children[EXTRAPOLATED].to_dataset(inherit=False)
+    return own.assign(better.data_vars).assign_attrs(better.attrs)
 
 
 # --- directions in the plane (u, rotation*L), L the skirt length ---

@@ -26,6 +26,7 @@ REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", str(StopReason.LIMIT_LOAD), "
 ENDS = (REACHED, LIMIT_LOAD, STOPPED)
 NUMBERS = MappingProxyType({"H": "end_H_N", "M": "end_M_Nm", "u": "end_u_m", "rotation": "end_rotation_rad"})
 KEYS = ("end", "end_reason", *NUMBERS.values())
+MESH_ERROR = "mesh_error_pct"  # of a path: estimate of the error of its load that the mesh makes [%]
 MARGIN = "cavitation_margin"
 FEWEST = 2  # states of a path that springs are made from
 _ROUNDING = 1e-9  # loads below this share of the other one are what rounding has left of zero
@@ -36,7 +37,8 @@ _NOT_RECORDED = "reason not recorded"
 class PathEnd:
     """End of one path: how (`ENDS`, or "not known"), why it stopped, its last state, V [N] at its start.
 
-    The last state has H [N], M [N m], u [m] and rotation [rad]; NaN where it is not recorded.
+    The last state has H [N], M [N m], u [m] and rotation [rad]; NaN where it is not recorded. `mesh_error` is the
+    estimate of the error of the path's load that its mesh makes [%]; NaN without one.
     """
 
     path: str
@@ -47,6 +49,7 @@ class PathEnd:
     V: float = np.nan
     u: float = np.nan
     rotation: float = np.nan
+    mesh_error: float = np.nan
 
     @property
     def failed(self) -> bool:
@@ -75,7 +78,7 @@ class PathEnd:
 def end_attrs(reason: StopReason | None, why: str, path: xr.Dataset) -> dict[str, Any]:
     """Return the attributes of a path that stopped for a reason (None: it came to its aim), and why in one line."""
     how = REACHED if reason is None else LIMIT_LOAD if reason.is_limit else STOPPED
-    return {"end": how, "end_reason": why} | _last_state(path)
+    return {"end": how, "end_reason": why} | end_numbers(path)
 
 
 def before_cavitation(path: xr.Dataset) -> xr.Dataset:
@@ -90,17 +93,18 @@ def before_cavitation(path: xr.Dataset) -> xr.Dataset:
     cut = known.isel(step=slice(max(int(beyond[0]), FEWEST)))
     w, V = (float(cut.variables[name].values[-1]) for name in ("w", "V"))
     why = f"the water would cavitate beyond, at w = {w:.4g} m, V = {V:.4g} N"
-    return cut.assign_attrs({"end": STOPPED, "end_reason": why} | _last_state(cut))
+    return cut.assign_attrs({"end": STOPPED, "end_reason": why} | end_numbers(cut))
 
 
 def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
     """Return the attributes of a path made of two, which goes as far as the shorter one."""
     source = whole if shorter.sizes["step"] == whole.sizes["step"] else other
     attrs = {key: source.attrs[key] for key in ("end", "end_reason") if key in source.attrs}
-    return attrs | _last_state(shorter) if attrs else {}
+    return attrs | end_numbers(shorter) if attrs else {}
 
 
-def _last_state(path: xr.Dataset) -> dict[str, float]:
+def end_numbers(path: xr.Dataset) -> dict[str, float]:
+    """Return the attributes of the last converged step of a path."""
     known = path.variables
     good = np.flatnonzero(known["converged"].values == 1)
     return {key: float(known[name].values[good[-1]]) for name, key in NUMBERS.items()} if good.size else {}
@@ -114,7 +118,8 @@ def end_of(name: str, path: xr.Dataset) -> PathEnd:
         stopped = attrs.get("status", "complete") != "complete"
         how, why = (STOPPED, _NOT_RECORDED) if stopped else (UNKNOWN, "")
     last = {quantity: float(attrs.get(key, np.nan)) for quantity, key in NUMBERS.items()}
-    return PathEnd(name, how, why, V=float(path.variables["V"].values[0]) if "V" in path else np.nan, **last)
+    start = float(path.variables["V"].values[0]) if "V" in path else np.nan
+    return PathEnd(name, how, why, V=start, mesh_error=float(attrs.get(MESH_ERROR, np.nan)), **last)
 
 
 def end_faults(attrs: dict[Any, Any]) -> Iterator[tuple[str, str]]:

@@ -88,6 +88,7 @@ def answer_cases(
     kinds = answers["capacity_V_kind"].values if "capacity_V_kind" in answers else [""] * len(cases)
     frame["capacity_V_N"], frame["capacity_V_kind"] = _values(answers, "capacity_V", len(cases)), kinds
     frame["range_used"] = answers["range_used"].values
+    frame["mesh_error_pct"] = _values(answers, "mesh_error_pct", len(cases))
     frame["answered"] = answers["answered"].values.astype(int)
     frame["marks"] = _marks(answers)
     frame["remarks"] = list(cases.notes)

@@ -174,10 +174,13 @@ Sample = dict[str, Array]
 """Values of the quantities on a grid; NaN where a slice is left out."""
 
 
-def curves_of(result: xr.DataTree) -> dict[str, Curve]:
-    """Return the curves of a full-model result, by path; paths without two states that move on are left out."""
+def curves_of(result: xr.DataTree, of_mesh: bool = False) -> dict[str, Curve]:
+    """Return the curves of a full-model result, by path; paths without two states that move on are left out.
+
+    ``of_mesh``: those of its own mesh, not the extrapolated ones (`springs.path.paths_of`).
+    """
     curves = {}
-    for name, recorded in paths_of(result).items():
+    for name, recorded in paths_of(result, of_mesh).items():
         path = recorded.dataset
         if path.sizes["step"] < 2:  # stopped during its dead load or in its first step
             continue
@@ -187,6 +190,7 @@ def curves_of(result: xr.DataTree) -> dict[str, Curve]:
         if rising.size < 2:
             continue
         y, p = slice_curves(path, length, SLICES)
+        y = np.zeros_like(y) if recorded.is_vertical else y  # to rounding: no p(y)
         by_x = {LOAD: load_of(path), OTHER: other_of(path), PRESSURE: pressure_of(path, length)}
         curves[name] = Curve(
             x[rising],

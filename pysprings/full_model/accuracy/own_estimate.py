@@ -1,25 +1,29 @@
 # SPDX-License-Identifier: MIT
 """Adds to a result the estimate of its own discretisation error: runs the coarser mesh and sets both side by side.
 
-It comes after the result, which is kept however this ends. A Fourier series is run on the coarser mesh with N and with
-N + 2 harmonics, N growing by two until both agree: where that asks for more than the result has, the scene runs again.
+It comes after the result, which is kept however this ends. A Fourier series is run on the coarser mesh with N and, a
+few paths of it, with N + 2 harmonics, N growing by two until both agree: where that asks for more than the result has,
+the scene runs again. Its paths are extrapolated from both meshes (`extrapolation`).
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from fe_engine.clock import Clock
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.words import StopReason
-from pysprings.full_model.accuracy import presets, two_mesh
+from pysprings.full_model.accuracy import extrapolation, two_mesh
 from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
-from pysprings.full_model.run_record import Computed
+from pysprings.full_model.run_record import Computed, Status
+from pysprings.model.fourier_mesh import ground_of_sections
 from pysprings.springs.path import paths_of
+from pysprings.springs.path_ends import MESH_ERROR
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,6 +47,7 @@ class Companions:
 
     Attributes
     ----------
+    trees, richer : whole runs, and runs of a few paths with two harmonics more.
     harmonics : the number that was chosen.
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
@@ -50,6 +55,7 @@ class Companions:
     """
 
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
+    richer: dict[int | None, xr.DataTree] = field(default_factory=dict)
     harmonics: int | None = None
     why_not: str = ""
     stopped: dict[str, str] = field(default_factory=dict)
@@ -100,26 +106,27 @@ def companions_of(
             elif coarse is scene:
                 companions.why_not = "there is no coarser mesh than this one"
             elif scene.discretisation == FOURIER:
-                _choose(scene, coarse, companions, lambda each, n: _run(each, n, companions, compute, progress), chosen)
+                _choose(scene, coarse, companions, partial(_run, companions, compute, progress), chosen)
             else:
-                _run(coarse, None, companions, compute, progress)
+                _run(companions, compute, progress, coarse, None, companions.trees)
         except (Exception, KeyboardInterrupt) as error:
             companions.failed(error)
     return companions
 
 
 def _choose(
-    scene: Scene, coarse: Scene, companions: Companions, run: Callable[[Scene, int], bool], chosen: int | None
-) -> None:
+    scene: Scene, coarse: Scene, companions: Companions,
+    run: Callable[[Scene, int, dict[int | None, xr.DataTree]], bool], chosen: int | None,
+) -> None:  # fmt: skip
     """Raise the harmonics on the coarser mesh until two more of them change little."""
     from pysprings.model.fourier import section_counts_of
 
     n = chosen or section_counts_of(scene).harmonics
-    while run(coarse.replace(mesh={"harmonics": n}), n):
+    while run(coarse.replace(mesh={"harmonics": n}), n, companions.trees):
         companions.harmonics = n
-        if not run(coarse.replace(mesh={"harmonics": n + 2}), n + 2):
+        if not run(two_mesh.few(coarse).replace(mesh={"harmonics": n + 2}), n + 2, companions.richer):
             return
-        change = two_mesh.difference(companions.trees[n + 2], companions.trees[n]) or {}
+        change = two_mesh.difference(companions.richer[n + 2], companions.trees[n]) or {}
         most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
         enough = not any(change.get(name, 0.0) > most for name in two_mesh.DECISIVE)  # NaN: not on these paths
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
@@ -127,16 +134,18 @@ def _choose(
         n += 2
 
 
-def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute, progress: Progress | None) -> bool:
+def _run(
+    companions: Companions, compute: Compute, progress: Progress | None,
+    scene: Scene, key: int | None, into: dict[int | None, xr.DataTree],
+) -> bool:  # fmt: skip
     """Run a scene on the coarser mesh and keep its result; return whether there is one."""
-    if key in companions.trees:
-        return True
+    whole = into is companions.trees
     beside = "" if key is None else f", {key} harmonics"
     report = (
         None if progress is None else (lambda at, share, text: progress(f"coarser mesh{beside}, {at}", share, text))
     )
-    saved = companions.checkpoints
-    kept = {} if saved is None else {"checkpoints": saved.companion(str(key or "bricks")), "resume": None}
+    saved, name = companions.checkpoints, f"{key or 'bricks'}{'' if whole else 'few'}"
+    kept = {} if saved is None else {"checkpoints": saved.companion(name), "resume": None}
     before = time.process_time()
     coarse = compute(scene, progress=report, **kept)
     companions.count_elsewhere(coarse.record.cpu_s - (time.process_time() - before))
@@ -144,51 +153,52 @@ def _run(scene: Scene, key: int | None, companions: Companions, compute: Compute
         companions.why_not, companions.again = str(coarse.record.stopped_by), True
         return False
     companions.stopped |= {
-        name: str(path.reason or path.status) for name, path in coarse.record.paths.items() if path.reason is not None
+        name: str(path.reason or path.status)
+        for name, path in coarse.record.paths.items()
+        if path.reason is not None and not (whole and key is not None and path.status is Status.LIMIT_LOAD)
     }
-    companions.trees[key] = coarse.tree
+    into[key] = coarse.tree
     return True
 
 
 def with_estimate(scene: Scene, result: Computed, companions: Companions, again: Callable[[int], Computed]) -> Computed:
-    """Put the estimate into the record of a result; return it, or that of ``again`` where N is too small.
+    """Return a result with its estimate and extrapolated paths, or that of ``again`` where N is too small.
 
     ``again`` runs the scene with more harmonics. Where that run does not come as far, the first result stays, and its
     record has the reason.
     """
-    add_estimate(scene, result, companions)
+    estimated = add_estimate(scene, result, companions)
     more, had = companions.harmonics, result.record.mesh.harmonics
     if more is None or had is None or more <= had or companions.again:
-        return result
+        return estimated
     name, before = f"run with {more} harmonics", result.record
     try:
         richer = again(more)
     except Exception as error:
         before.not_made[name] = reason_of(error)
-        return result
+        return estimated
     if richer.interrupted:
         before.not_made[name] = str(richer.record.stopped_by)
-        return result
+        return estimated
     if before.complete and not richer.record.complete:
         why = "; ".join(richer.record.failures)
         before.warnings.append(f"the {name}, which the coarser mesh asks for, stopped: {why}")
-        return result
+        return estimated
     record = richer.record
     record.phases[f"run with {had} harmonics"] = {"wall_s": before.wall_s, "cpu_s": before.cpu_s}
     record.wall_s, record.cpu_s = record.wall_s + before.wall_s, record.cpu_s + before.cpu_s
-    add_estimate(scene, richer, companions)
-    return richer
+    return add_estimate(scene, richer, companions)
 
 
-def add_estimate(scene: Scene, result: Computed, companions: Companions) -> None:
-    """Put the estimate and its cost into the record of a result of ``scene`` (the one that ran).
+def add_estimate(scene: Scene, result: Computed, companions: Companions) -> Computed:
+    """Return a result of ``scene`` (the one that ran) with its estimate, cost, and extrapolated paths.
 
-    The result stays as it is, and nothing is raised; without an estimate the record has the reason.
+    Nothing is raised; without an estimate the record has the reason, and the paths are those of its mesh.
     """
     meter, record = Meter(), result.record
     with meter.clock.phase(PHASE):
         try:
-            record.error_estimate = _estimate(scene, result, companions)
+            result = _estimated(scene, result, companions)
         except (Exception, KeyboardInterrupt) as error:
             companions.failed(error)
             record.error_estimate = two_mesh.missing(companions.why_not)
@@ -197,16 +207,41 @@ def add_estimate(scene: Scene, result: Computed, companions: Companions) -> None
     meter.include(companions.clock)
     companions.clock = Clock()
     meter.charge(record)
+    return result
 
 
-def _estimate(scene: Scene, result: Computed, companions: Companions) -> dict[str, Any]:
-    n = result.record.mesh.harmonics
+def _estimated(scene: Scene, result: Computed, companions: Companions) -> Computed:
+    n, record = result.record.mesh.harmonics, result.record
     if n not in companions.trees:
-        return two_mesh.missing(companions.why_not or "no run on the coarser mesh has its number of harmonics")
-    orders = presets.orders(scene.discretisation)
-    richer = None if n is None else companions.trees.get(n + 2)
+        record.error_estimate = two_mesh.missing(
+            companions.why_not or "no run on the coarser mesh has its number of harmonics"
+        )
+        return result
+    coarse, made = companions.trees[n], result
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
-    estimate = two_mesh.estimate(result.tree, companions.trees[n], orders, richer, ratio)
+    given: dict[str, Any] = {"ratio": ratio, "richer": None if n is None else companions.richer.get(n + 2)}
+    if ratio is not None:
+        made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio)
+    estimate = two_mesh.estimate(result.tree, coarse, **given)
     if companions.stopped and estimate["estimate_pct"]:
-        estimate |= {"companion_stopped": companions.stopped, "companion_paths": len(paths_of(companions.trees[n]))}
-    return estimate
+        estimate |= {"companion_stopped": companions.stopped, "companion_paths": len(paths_of(coarse))}
+    record.error_estimate = estimate
+    for name, each in estimate.get("by_path", {}).items() if made is not result else ():
+        made.tree[f"paths/{name}"].attrs[MESH_ERROR] = each.get("load_pct", float("nan"))
+    return made
+
+
+def _extrapolated(scene: Scene, result: Computed, coarse: xr.DataTree, ratio: float) -> tuple[Computed, dict[str, Any]]:
+    """Return a result with extrapolated paths, and how they were extrapolated, as run.json has it."""
+    order = extrapolation.ORDERS[ground_of_sections(scene)]
+    share = extrapolation.share_of(ratio, order)
+    tree, not_alike = extrapolation.extrapolated(result.tree, coarse, share)
+    record = result.record
+    record.warnings += [f"path {name} has the reactions of one mesh: {why}" for name, why in not_alike.items()]
+    names = [name for name in paths_of(tree) if name not in not_alike]
+    if names:
+        sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, coarse))
+        record.remarks.append(f"reactions extrapolated from meshes of {sizes} unknowns (order {order:g})")
+        tree.attrs["remarks"] = "; ".join(record.remarks)
+    how = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
+    return replace(result, tree=tree), how

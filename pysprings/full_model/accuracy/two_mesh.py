@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """A run's own estimate of its discretisation error, from the same scene on a coarser mesh.
 
-The largest difference of the two, over all paths, divided by r^p - 1 (r: ratio of the cell sizes, p: order that the
-shipped study has found) is the distance from what both tend to, as in Richardson's extrapolation; SAFETY times that is
-the estimate. The coarser mesh of bricks has 0.7 times the cells in each direction: of all factors near 3/4 it is one
+The difference of the two divided by r^p - 1 (r: ratio of the cell sizes, p: ORDERS) is the distance from what both tend
+to, as in Richardson's extrapolation; SAFETY times that is the estimate, and of extrapolated paths the share UNSURE of
+the difference. The coarser mesh of bricks has 0.7 times the cells in each direction: of all factors near 3/4 it is one
 with which every preset loses sectors, too (their number is a multiple of 4), so that no direction keeps its error.
 
 A Fourier series has two sizes, that of the elements in the section and the number N of harmonics. The coarser section
@@ -31,13 +31,16 @@ if TYPE_CHECKING:
     from pysprings.scene.load import Scene
 
 FACTOR = {BRICKS: 0.7, FOURIER: 0.6}
-# Without a study's order: that of stresses in linear elements, which the singularity at the tip does not let pass.
+# Without an order of its own: that of stresses in linear elements, which the singularity at the tip does not let pass.
 USUAL_ORDER = 1.0
 # Roache (1994) takes 3 for an order that two meshes cannot confirm; see benchmarks/error_estimates.py for ours.
 SAFETY = {BRICKS: 3.0, FOURIER: 2.0}
-# Instead of the study's order, since the coarser sections are coarser than its meshes. Two is that of stresses in
-# quadratic elements, three that of their stiffness beside the tip's corners in the study.
-ORDERS = {BRICKS: {}, FOURIER: {PY: 2.0, STIFFNESS: 3.0}}
+# Of bricks, those of load and p(y) in the study of data/evidence/accuracy.csv. Of a series, two is that of stresses in
+# quadratic elements, three that of their stiffness beside the tip's corners.
+ORDERS = {BRICKS: {LOAD: 1.715, PY: 1.988}, FOURIER: {LOAD: 1.711, PY: 2.0, STIFFNESS: 3.0}}
+# Shares of the difference of both meshes that extrapolation may leave: half of what orders of 1.4 and 3 differ by, for
+# load and rotation; p(y) near the tip has none that it keeps. See benchmarks/error_estimates.py.
+UNSURE = {LOAD: 0.35, OTHER: 0.4, PY: 0.5}
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
 
 # Where the first increment's secant is farther from it, the stiffness at rest depends on which points of the mesh yield
@@ -52,11 +55,11 @@ DECISIVE = ("load_max", "py_rms")  # measures that choose the number of harmonic
 def coarser(scene: Scene) -> Scene:
     """Return the scene on the coarser mesh, without pictures and fields; the same scene if there is no coarser one.
 
-    Of a fan it has a few paths (`pysprings.scene.fan.few_paths`), of others those in one plane.
+    Bricks have `few` of its paths; a series has all of those in one plane, since its springs are extrapolated from both
+    meshes.
     """
     from pysprings.model.build import counts_of
     from pysprings.model.fourier import section_counts_of
-    from pysprings.scene.fan import few_paths
 
     azimuth, kind = scene.mesh.azimuth, scene.discretisation
     factor = FACTOR[kind]
@@ -64,12 +67,21 @@ def coarser(scene: Scene) -> Scene:
     if azimuth is not None:
         changed["azimuth"] = max(8, 4 * round(factor * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
-    few = few_paths(scene.springs, scene.caisson)
     plane = tuple(path for path in scene.paths if not path.in_space)
-    paths = {"paths": (*plane, *(few or scene.load_paths[len(plane) :]))} if few or plane != scene.paths else {}
+    paths = {"paths": plane} if plane != scene.paths else {}
     coarse = scene.replace(mesh=changed, output=output, **paths)
     same = section_counts_of if kind == FOURIER else counts_of
-    return scene if same(coarse) == same(scene) else coarse
+    if same(coarse) == same(scene):
+        return scene
+    return coarse if kind == FOURIER else few(coarse)
+
+
+def few(scene: Scene) -> Scene:
+    """Return a scene whose fan has a few paths (`pysprings.scene.fan.few_paths`); the scene itself without a fan."""
+    from pysprings.scene.fan import few_paths
+
+    paths = few_paths(scene.springs, scene.caisson)
+    return scene.replace(paths=(*scene.paths, *paths)) if paths else scene
 
 
 def cell_ratio(scene: Scene, coarse: Scene) -> float | None:
@@ -87,7 +99,7 @@ ByPath = dict[str, dict[str, float]]
 
 def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
     """Return the difference [%] of two results by path and measure, of the paths that both have."""
-    by_path = samples({"fine": curves_of(fine), "coarse": curves_of(coarse)})
+    by_path = samples({"fine": curves_of(fine, of_mesh=True), "coarse": curves_of(coarse, of_mesh=True)})
     return {name: measures.errors(each["coarse"], each["fine"]) for name, each in by_path.items()}
 
 
@@ -100,14 +112,15 @@ def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | Non
 def estimate(
     fine: xr.DataTree,
     coarse: xr.DataTree,
-    orders: Mapping[str, float | None],
     richer: xr.DataTree | None = None,
     ratio: float | None = None,
+    extrapolated: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
 
-    ``orders`` are those of a study by quantity; where it has none, USUAL_ORDER. ``richer`` is the coarser mesh with
-    more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of unknowns.
+    ``richer`` is the coarser mesh with more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of
+    unknowns. ``extrapolated`` has the paths whose reactions are (`extrapolation`): what is left of their error is the
+    share UNSURE of the difference.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
     fewer = _size(coarse) / _size(fine)
@@ -125,17 +138,20 @@ def estimate(
     if richer is not None and beyond:
         numbers = [int(tree.attrs["harmonics"]) for tree in (coarse, richer)]
         result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
+    better = () if extrapolated is None else extrapolated["paths"]
+    result |= {} if extrapolated is None else {"extrapolated": dict(extrapolated)}
     estimates: ByPath = {name: {} for name in own}
     for name, quantity in ESTIMATED.items():
-        order = ORDERS[kind].get(quantity) or orders.get(quantity) or USUAL_ORDER
+        order = ORDERS[kind].get(quantity, USUAL_ORDER)
         result["order"][name] = order
         if quantity == STIFFNESS and not starts_elastic(fine):
             continue
-        factor = SAFETY[kind] / (ratio**order - 1.0)
+        whole = SAFETY[kind] / (ratio**order - 1.0)
         for path, each in own.items():
             more = beyond.get(path, {}).get(name, np.nan)
+            left = UNSURE.get(quantity, whole) if path in better else whole
             if np.isfinite(each[name]):
-                estimates[path][name] = factor * each[name] + (more if np.isfinite(more) else 0.0)
+                estimates[path][name] = left * each[name] + (more if np.isfinite(more) else 0.0)
         for key, values in (("difference_pct", own), ("harmonics_pct", beyond)):
             finite = [each[name] for each in values.values() if np.isfinite(each[name])]
             if finite and key in result:
@@ -167,7 +183,7 @@ def starts_elastic(tree: xr.DataTree) -> bool:
     Paths that bend have no secant to compare.
     """
     matrix = tree.dataset["stiffness_initial"].values
-    ratios = [first_secant(matrix, path.dataset) for path in paths_of(tree).values()]
+    ratios = [first_secant(matrix, path.dataset) for path in paths_of(tree, of_mesh=True).values()]
     return all(abs(ratio - 1.0) <= AT_REST for ratio in ratios if ratio is not None)
 
 

@@ -44,14 +44,14 @@ _SYMMETRIC = 0.77  # 1/1.3 of docs/evidence/omissions.md on `coarse`: the least,
 # that, 28 increments become 28 (1 + s), with 1 - s + 4.3 s times the time of an increment (`paper` to 20 mm).
 _LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 4.3
 PICTURE_SECONDS = {"none": 0.0, "report": 3.0, "all": 10.0}  # of a run, by how many are asked for
-# The same of series, by a power of the unknowns; with water; and of the two runs on a coarser section that choose the
-# harmonics and estimate the error, of four paths at most (full_model.accuracy.own_estimate).
+# The same of series, by a power of the unknowns; with water; and of the runs on a coarser section: all paths with N,
+# four at most with two harmonics more (full_model.accuracy.own_estimate).
 _SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 9.0e-7, 1.2
 _WHOLE = 2.7  # of an increment of the whole caisson beside one of its half, N 3 (2.2 to 3.1 for N 2 to 5)
-_SERIES_WATER, _SERIES_ESTIMATE, _ESTIMATED_PATHS = 1.5, 0.7, 4
+_SERIES_WATER, _SERIES_COARSER, _SERIES_RICHER, _RICHER_PATHS = 1.5, 0.35, 0.5, 4
 # Of series an increment beyond lift-off takes this times a power of the unknowns as long as one before: on finer
 # sections stations of the inner wall flip more often, and sand localises.
-_SERIES_LIFT_OFF, _SERIES_LIFT_OFF_EXPONENT = 0.055, 0.58
+_SERIES_LIFT_OFF, _SERIES_LIFT_OFF_EXPONENT = 0.024, 0.5
 
 
 def least_increments(scene: Scene) -> list[int]:
@@ -81,18 +81,19 @@ def seconds(
     21.7, 265 and 77 s. Coupled: `medium` 13.7 s, `paper` to 1 mm 53 s; law 12.7 and 56 s. `coarse` to 20 mm takes 45
     increments, as in the law. The motion under an imposed force is unknown: lift-off of the lid is not counted.
 
-    Series take c N^1.2 an increment, their error estimate included, d N^0.58 times as long beyond lift-off. Measured
-    without the estimate at the default tolerance, N 3, CPU time of one thread: to 2.5 mm `coarse` 0.25, `medium` 0.49
-    and `paper` 0.82 s, coupled `medium` 0.82 and `paper` 1.6 s; to 20 mm `coarse` 0.78, `medium` 1.8 and `paper` 8.1 s,
-    coupled `medium` 3.2 s. The law without start and estimate gives 0.19, 0.42, 0.89; 0.74, 1.6; 0.73, 2.3, 6.7; 4.3 s.
-    Increments that are cut where sand localises (`fine`) are left out.
+    Series take c N^1.2 an increment, d N^0.5 times as long beyond lift-off, and half as much again for their estimate.
+    Measured without the estimate, CPU seconds of one thread, N 3 at the default tolerance: to 2.5 mm 0.49 with 4,153
+    unknowns, 0.70 with 6,290, 0.83 with 7,243, coupled 0.91 with 4,776 and 1.43 with 7,183; to 20 mm 2.1 with 6,290 and
+    2.45 with 7,243; four paths of the default scene to 20 mm, at its tolerance of 1e-4, 5.5 (`coarse`), 12 (`medium`)
+    and 21 s (`paper`). The law gives 0.45, 0.75, 0.89; 0.81, 1.32; 1.4, 1.8; 7, 14, 19 s. Increments that are cut where
+    sand localises (`fine`) are left out.
 
     ``water``: pressures are among the unknowns; ``superlu``: SuperLU factorises bricks (None: as in the scene, here).
     """
     paths, pictures = sum(path_seconds(scene, unknowns, water)), PICTURE_SECONDS[scene.output.pictures]
     if scene.discretisation == "fourier":
-        share = min(1.0, _ESTIMATED_PATHS / max(len(scene.load_paths), 1))
-        return pictures + _SERIES_START + (1.0 + _SERIES_ESTIMATE * share) * paths
+        share = min(1.0, _RICHER_PATHS / max(len(scene.load_paths), 1))
+        return pictures + _SERIES_START + (1.0 + _SERIES_COARSER + _SERIES_RICHER * share) * paths
     if uses_superlu(scene) if superlu is None else superlu:
         paths *= superlu_time(unknowns)
     return pictures + _START + (_SYMMETRIC if symmetric else 1.0) * paths

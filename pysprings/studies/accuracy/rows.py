@@ -28,7 +28,8 @@ from pysprings.full_model.accuracy.curves import (
     samples,
 )
 from pysprings.full_model.accuracy.measures import NEEDED, Reference, cell_size
-from pysprings.full_model.accuracy.presets import BRICKS, FOURIER, JUDGED, MESH, Setting
+from pysprings.full_model.accuracy.presets import BRICKS, FOURIER, MESH, Setting
+from pysprings.full_model.accuracy.target import JUDGED
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro import slices
 from pysprings.macro.comparison import curves

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The whole study in a folder: runs, table, document, picture, tables for people; presets that the package ships."""
+"""The whole study in a folder: runs, table, document, picture, tables for people."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.core import version
 from pysprings.core.columns import Column, Table, records
-from pysprings.core.errors import Problem, UserInputError, following
+from pysprings.core.errors import following
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.text import json_text
 from pysprings.full_model.accuracy.measures import MEASURES
-from pysprings.full_model.accuracy.presets import FOURIER, JUDGED, SCHEMA, TARGETS, Setting, cheapest_within
+from pysprings.full_model.accuracy.presets import FOURIER, SCHEMA, Setting, cheapest_within
+from pysprings.full_model.accuracy.target import TARGETS
 from pysprings.studies.accuracy import rows, runs
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
 from pysprings.studies.accuracy.runs import Run, run_in_child
@@ -183,38 +184,6 @@ def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
         },
         "rows": records(outcome.table),
     }  # fmt: skip
-
-
-def presets(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
-    """Return what `--target-error` needs: the complete settings with error and cost, and the orders.
-
-    The smallest order of all paths gives the largest estimate.
-    """
-    table = outcome.table
-    names = [f"{name}_pct" for name in JUDGED]
-    usable = table[(table["model"] == rows.FULL) & (table["status"] == "complete")].dropna(subset=names)
-    if usable.empty:
-        raise UserInputError([Problem(key="--write-presets", message="no run of the study has an error to offer")])
-    solvers = {each.name: dict(each.solver) for each in outcome.settings}
-    columns = [
-        "name",
-        "discretisation",
-        "harmonics",
-        "mesh",
-        "refinement",
-        "unknowns",
-        "wall_s",
-        "cpu_s",
-        "units",
-        *names,
-    ]
-    lines = [row | {"solver": solvers[row["name"]]} for row in records(usable[columns])]
-    return {"schema": SCHEMA, "origin": _origin(scene), "orders": outcome.orders, "settings": lines}
-
-
-def write_presets(scene: Scene, outcome: StudyResult, file: Path) -> Path:
-    """Write the presets as JSON; return the path."""
-    return write_text(json_text(presets(scene, outcome), indent=1) + "\n", file)
 
 
 def _origin(scene: Scene) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typer.main import get_command
 from pysprings import __version__
 from pysprings.cli import app
 from pysprings.core.words import Discretisation, MeshPreset, TargetError
-from pysprings.full_model.accuracy import presets
+from pysprings.full_model.accuracy.target import TARGETS
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.exporters import EXPORTERS
 from pysprings.scene.load import SECTIONS
@@ -96,7 +96,7 @@ def test_words_of_options_are_those_of_the_scene_and_the_presets() -> None:
     mesh = SECTIONS["mesh"].model_fields
     assert get_args(MeshPreset) == field_of(mesh["preset"]).words
     assert ("auto", *get_args(Discretisation)) == field_of(mesh["discretisation"]).words
-    assert presets.TARGETS == {"5%": 5.0, "2%": 2.0, "1%": 1.0, "0.5%": 0.5}
+    assert TARGETS == {"5%": 5.0, "2%": 2.0, "1%": 1.0, "0.5%": 0.5}
 
 
 def test_wrong_usage_is_exit_2() -> None:

@@ -117,15 +117,17 @@ def test_cost(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_target_and_estimate(capsys: pytest.CaptureFixture[str]) -> None:
-    target = {
-        "target": "5%", "setting": "coarse-0.8", "error_in_study_pct": {"load_max": 4.321, "py_rms": 1.0},
-        "study": {"scene": "service load"},
-    }  # fmt: skip
+    runs = [
+        {"preset": "coarse", "refinement": 1.0},
+        {"preset": "coarse", "refinement": 1.3, "load_max": 4.3, "py_rms": 1.0},
+    ]
+    target = {"target": "5%", "runs": runs, "missed": None}
     estimate = {"estimate_pct": {"load_max": 3.456, "py_rms": 2.0}, "unknowns": [12345, 6789], "safety": 1.5}
     results.print_estimate(RunRecord.from_dict({"target_error": target, "error_estimate": estimate}))
     load, py = (MEASURES[name].head for name in ("load_max", "py_rms"))
     assert capsys.readouterr().out.splitlines() == [
-        f"target error 5%: setting coarse-0.8, in the study of 'service load' {load} 4.3 %, {py} 1 %",
+        "target error 5%: coarse, refinement 1: -",
+        "target error 5%: coarse, refinement 1.3: load 4.3 %, p-y 1 %",
         f"estimated discretisation error: {load} 3.5 %, {py} 2 % (two meshes, 6,789 and 12,345 unknowns; "
         "safety factor 1.5 included)",
     ]

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pysprings import Scene, load_scene
-from pysprings.cli.run import with_target
+from pysprings import Scene
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.words import StopReason
-from pysprings.full_model.accuracy import presets, two_mesh
-from pysprings.full_model.accuracy.curves import LOAD, PY, SLICES
+from pysprings.full_model.accuracy import target, two_mesh
+from pysprings.full_model.accuracy.curves import SLICES
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.own_estimate import (
     companions_of,
@@ -28,9 +27,6 @@ from pysprings.model.fourier import section_counts_of
 from pysprings.model.mesh import PRESETS as MESHES
 from tests.support import tiny
 from tests.support.measured import with_error
-from tests.support.place import ROOT
-
-STUDIED = ROOT / "data" / "scenes" / "service-load.toml"
 
 
 def test_the_default_study() -> None:
@@ -103,59 +99,6 @@ def test_meshes_that_are_refused(text: str) -> None:
         read_mesh(text)
 
 
-def row(name: str, cpu: float, load: float, py: float, **solver: float) -> dict[str, Any]:
-    error = {"load_max_pct": load, "py_rms_pct": py}
-    return {
-        "name": name,
-        "mesh": "coarse",
-        "refinement": 1.0,
-        "discretisation": "hex8",
-        "harmonics": None,
-        "solver": solver,
-        "wall_s": 9.0 / cpu,
-        "cpu_s": cpu,
-    } | error
-
-
-STUDY = {
-    "origin": {"scene": "a caisson"},
-    "orders": {"hex8": {LOAD: 2.0, PY: None}},
-    "settings": [
-        row("slow", 9.0, 1.5, 1.9),
-        row("quick", 1.0, 4.0, 4.9, tolerance=1e-3),
-        row("wrong", 0.5, 1.0, 6.0),
-        row("middle", 2.0, 1.2, 3.0),
-    ],
-}
-
-
-def test_the_cheapest_setting_within_both_errors() -> None:
-    assert presets.cheapest("5%", STUDY).name == "quick"
-    assert presets.cheapest("5%", STUDY).scene(tiny.paper()).solver.tolerance == 1e-3
-    assert presets.cheapest("2%", STUDY).name == "slow"
-    with pytest.raises(
-        UserInputError, match=r"--target-error: no setting .*a caisson.* within 1%; the best has 1\.9 %"
-    ):
-        presets.cheapest("1%", STUDY)
-    with pytest.raises(UserInputError, match=r"'3%' is no target; give 5%, 2%, 1%, 0\.5%"):
-        presets.cheapest("3%", STUDY)
-    assert presets.note("2%", presets.cheapest("2%", STUDY), STUDY)["error_in_study_pct"]["py_rms"] == 1.9
-
-
-def test_the_shipped_study_is_whole_and_of_the_scene_it_names() -> None:
-    study = presets.shipped()
-    assert study["origin"]["scene_sha256"] == load_scene(STUDIED).sha256  # else: make accuracy
-    assert study["schema"] == presets.SCHEMA
-    assert {"scene", "scene_sha256", "version", "date", "command"} <= set(study["origin"])
-    assert presets.orders()[LOAD] is None or 0.5 <= presets.orders()[LOAD] <= 4.0
-    assert {each["discretisation"] for each in study["settings"]} == {"hex8", "fourier"}
-    for each in study["settings"]:
-        mesh = {"preset": each["mesh"], "refinement": each["refinement"], "discretisation": each["discretisation"]}
-        assert tiny.paper().replace(mesh=mesh | {"harmonics": each["harmonics"]}, solver=each["solver"])
-        assert each["cpu_s"] > 0.0 and each["load_max_pct"] >= 0.0 and each["py_rms_pct"] >= 0.0
-    assert presets.cheapest("5%").name in {each["name"] for each in study["settings"]}
-
-
 @pytest.mark.parametrize("preset", PRESETS)
 def test_the_coarser_mesh_is_coarser_in_every_direction(preset: str) -> None:
     scene = tiny.paper(mesh={"preset": preset})
@@ -181,34 +124,38 @@ def test_the_coarser_section_keeps_small_elements_at_both_ends_of_the_skirt(pres
 
 
 def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_true() -> None:
-    fine, coarse = with_error(9000), with_error(3000)
-    found = two_mesh.estimate(fine, coarse, {LOAD: 2.0, PY: 2.0})
-    true = 100.0 * (1.0 - 1.0 / (1.0 + 100.0 * cell_size(9000) ** 2))
+    order = two_mesh.ORDERS["hex8"]["load"]
+    fine, coarse = with_error(9000, order), with_error(3000, order)
+    found = two_mesh.estimate(fine, coarse)
+    true = 100.0 * (1.0 - 1.0 / (1.0 + 100.0 * cell_size(9000) ** order))
     assert found["estimate_pct"]["load_max"] == pytest.approx(two_mesh.SAFETY["hex8"] * true, rel=1e-6)
     assert found["cell_ratio"] == pytest.approx(3.0 ** (1 / 3), abs=1e-4)
-    cautious = two_mesh.estimate(fine, coarse, {LOAD: None, PY: 2.0})
-    assert cautious["order"]["load_max"] == two_mesh.USUAL_ORDER
-    assert cautious["estimate_pct"]["load_max"] > found["estimate_pct"]["load_max"]
     assert "two meshes, 3,000 and 9,000 unknowns" in two_mesh.words(found)
+    left = two_mesh.estimate(fine, coarse, extrapolated={"paths": ["pull"]})
+    ratio = left["by_path"]["pull"]["load_pct"] / found["by_path"]["pull"]["load_pct"]
+    assert ratio == pytest.approx(two_mesh.UNSURE["load"] * (found["cell_ratio"] ** order - 1.0) / 3.0, rel=1e-3)
+    assert left["by_path"]["shift"] == found["by_path"]["shift"]
 
 
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
-    """Limit 1; N 3 is 0.2 % above N 5 on the coarser mesh; the errors of the section are 1 % and 4 %."""
-    order, slope = 2.0, 0.01 * 3000 / 4
+    """Limit 1; N 3 is 0.2 % above N 5 on the coarser mesh; the errors of the section are 1 % and 2^order %."""
+    order = two_mesh.ORDERS["fourier"]["load"]
+    slope = 0.01 / cell_size(3000, 3) ** order
     fine = with_error(3000, order, slope, harmonics=3, beside=2e-3)
     coarse, richer = with_error(750, order, slope, 3, 2e-3), with_error(1125, order, slope, 5)
     assert cell_size(750, 3) == pytest.approx(cell_size(1125, 5)) == pytest.approx(2.0 * cell_size(3000, 3))
-    found = two_mesh.estimate(fine, coarse, {LOAD: order, PY: order}, richer)
-    section = 100.0 * (0.04 - 0.01) / (4.0 - 1.0) / (1.0 + 0.01 + 2e-3)
-    series = 100.0 * 2e-3 / 1.04
+    found = two_mesh.estimate(fine, coarse, richer)
+    whole = 2.0**order
+    section = 100.0 * 0.01 / (1.0 + 0.01 + 2e-3)
+    series = 100.0 * 2e-3 / (1.0 + 0.01 * whole)
     assert found["cell_ratio"] == pytest.approx(2.0)
     assert found["harmonics"] == [3, 5]
     assert found["harmonics_pct"]["load_max"] == pytest.approx(series, rel=1e-6)
     expected = two_mesh.SAFETY["fourier"] * section + series
     assert found["estimate_pct"]["load_max"] == pytest.approx(expected, rel=1e-6)
     assert "3 and 5 harmonics" in two_mesh.words(found)
-    wider = two_mesh.estimate(fine, coarse, {LOAD: order, PY: order}, richer, ratio=3.0)
-    section *= (4.0 - 1.0) / (9.0 - 1.0)
+    wider = two_mesh.estimate(fine, coarse, richer, ratio=3.0)
+    section *= (whole - 1.0) / (3.0**order - 1.0)
     assert wider["estimate_pct"]["load_max"] == pytest.approx(two_mesh.SAFETY["fourier"] * section + series, rel=1e-6)
 
 
@@ -228,7 +175,8 @@ def test_harmonics_grow_until_two_more_change_little(change: dict[int, float], c
     scene = tiny.sand(mesh={"discretisation": "fourier"})
     found = companions_of(scene, compute)
     assert found.harmonics == chosen
-    assert asked == list(range(3, chosen + 3, 2))  # none twice
+    grown = range(3, chosen + 1, 2)
+    assert asked == [each for n in grown for each in (n, n + 2)]  # all paths with N, a few with two more
     assert scene_to_run(scene, harmonics=found.harmonics).mesh.harmonics == chosen
     asked.clear()
     assert companions_of(scene, compute, chosen=chosen).harmonics == chosen  # a run that goes on
@@ -332,45 +280,23 @@ def test_a_path_without_a_converged_state_is_left_out_of_an_estimate() -> None:
 
 
 def test_meshes_that_are_alike_give_no_estimate() -> None:
-    found = two_mesh.estimate(with_error(9000), with_error(8900), {LOAD: 2.0, PY: 2.0})
+    found = two_mesh.estimate(with_error(9000), with_error(8900))
     assert found["estimate_pct"] == {}
     assert "no mesh with fewer cells" in two_mesh.words(found)
 
 
 def test_differences_without_a_finite_value_give_no_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(two_mesh.measures, "errors", lambda *_: dict.fromkeys(two_mesh.ESTIMATED, np.nan))
-    found = two_mesh.estimate(with_error(9000), with_error(3000), {LOAD: 2.0, PY: 2.0})
+    found = two_mesh.estimate(with_error(9000), with_error(3000))
     assert found["estimate_pct"] == {}
     assert "no finite value" in two_mesh.words(found)
-
-
-def test_a_target_runs_what_the_study_ran_whatever_the_scene_says() -> None:
-    """Mesh and tolerances of the scene are replaced: the study says nothing of others."""
-    own = tiny.paper(mesh={"preset": "coarse", "refinement": 0.5}, solver={"tolerance": 1e-2, "max_step_fraction": 0.5})
-    found, noted = with_target(own, "2%", has_mesh=False)
-    setting = presets.cheapest("2%")
-    assert found.sha256 == setting.scene(tiny.paper()).sha256
-    assert noted["target_error"]["setting"] == setting.name
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"caisson": {"skirt_length": 8.0}}, "L/D 1"),
-        ({"paths": ({"name": "far", "kind": "pull", "lateral_displacement": 0.1},)}, "a motion of 1.3 % of D"),
-        ({"drainage": {"mode": "undrained"}}, "undrained water"),
-    ],
-)
-def test_a_target_outside_its_study_is_refused_with_what_to_do(changes: dict[str, Any], words: str) -> None:
-    with pytest.raises(UserInputError, match=rf"--target-error: .*does not cover {words}: give --mesh medium"):
-        with_target(tiny.paper().replace(**changes), "5%", has_mesh=False)
 
 
 @pytest.mark.parametrize(
     ("load", "py", "stopped", "words"),
     [
         (4.0, 3.0, {}, None),
-        (28.0, 3.0, {}, r"load 28 % \(path p\); take a finer --mesh"),
+        (28.0, 3.0, {}, r"--target-error 5%: the run's own estimate is load 28 % \(path p\)"),
         (4.0, 6.0, {}, "p-y 6"),
         (4.0, 3.0, {"p": "apex"}, "the estimate ends where the coarser mesh stopped, on p"),
     ],
@@ -379,6 +305,22 @@ def test_a_target_is_met_by_the_estimate_of_the_run_alone(
     load: float, py: float, stopped: dict[str, str], words: str | None
 ) -> None:
     estimate = {"estimate_pct": {"load_max": load, "py_rms": py}, "worst_path": "p", "companion_stopped": stopped}
-    missed = presets.judged({"target": "5%"}, estimate)["missed"]
+    scene = target.start(tiny.paper(), "5%")
+    missed = target.judged("5%", scene, estimate, [])["missed"]
     assert missed is None if words is None else re.search(words, missed)
-    assert "no estimate" in presets.judged({"target": "5%"}, {})["missed"]
+    assert "no estimate" in target.judged("5%", scene, {}, [])["missed"]
+
+
+def test_the_next_mesh_of_a_target_has_the_cells_that_the_estimate_asks_for() -> None:
+    scene = target.start(tiny.paper(mesh={"refinement": 0.5, "azimuth": 16}), "2%")
+    assert (scene.mesh.preset, scene.mesh.refinement, scene.mesh.azimuth) == ("medium", 1.0, None)
+    noted = target.judged("2%", scene, {"estimate_pct": {"load_max": 4.0, "py_rms": 1.0}}, [])
+    after, why = target.finer(scene, noted)
+    assert after is not None and not why
+    assert after.mesh.refinement == pytest.approx(2.0 ** (1.0 / target.ORDER), abs=0.01)
+    assert target.cost(10.0, scene, after) == pytest.approx(10.0 * after.mesh.refinement**3)
+    assert target.as_ran(tiny.paper(), noted).mesh.preset == "medium"
+    many = target.judged("2%", after, {"estimate_pct": {"load_max": 4.0, "py_rms": 1.0}}, noted["runs"] * 3)
+    assert target.finer(after, many) == (None, "4 meshes were tried")
+    blind = target.judged("2%", scene, {"why_not": "a path stopped"}, [])
+    assert target.finer(scene, blind)[0] is None and "a path stopped" in blind["missed"]

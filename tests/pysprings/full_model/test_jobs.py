@@ -87,7 +87,7 @@ def test_the_cost_of_the_estimate_has_that_of_its_workers(tmp_path: Path) -> Non
         return result
 
     companions = companions_of(SCENES["series"](), elsewhere)
-    assert len(companions.trees) == 2 and 2000.0 <= companions.clock.cpu[PHASE] < 3000.0
+    assert len(companions.trees) == len(companions.richer) == 1 and 2000.0 <= companions.clock.cpu[PHASE] < 3000.0
 
 
 def test_a_path_whose_workers_die_is_one_that_resources_do_not_suffice_for(tmp_path: Path) -> None:

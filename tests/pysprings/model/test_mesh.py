@@ -158,7 +158,7 @@ def test_levels_can_be_small_at_both_ends(n: int) -> None:
     assert cells.max() > 0.3
 
 
-@pytest.mark.parametrize("counts", [PRESETS["coarse"], *SECTIONS.values()])
+@pytest.mark.parametrize("counts", [PRESETS["coarse"], *(each for of in SECTIONS.values() for each in of.values())])
 @pytest.mark.parametrize("ratio", [0.05, 0.2, 0.3, 0.4, 0.47, 0.6, 1.5, 3.0])
 def test_no_caisson_has_larger_cells_at_mudline_and_tip_than_the_reference(counts: PlaneCounts, ratio: float) -> None:
     first, last = counts.mudline * LENGTH / DIAMETER, counts.toe * LENGTH / DIAMETER

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings accuracy`: runs that are kept, table, files, presets, on invented soil with a known order; a real one."""
+"""`pysprings accuracy`: runs that are kept, table and files, on invented soil with a known order; a real one."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +14,6 @@ import pysprings
 from pysprings import Scene
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
 from pysprings.core.files.storage import read_tree, write_text, write_tree
-from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.compute import run
@@ -126,7 +124,7 @@ def test_what_a_setting_changes_by_itself(done: Any, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
-    """It would be its own reference, and exact: no error, no target, no presets; what a setting changes is noted."""
+    """It would be its own reference, and exact: no error, no target; what a setting changes is noted."""
     kept(done, tmp_path)
     found = rows.assess(runs.run_all(elastic(), settings(["coarse"], quick=True), tmp_path, lambda *_: None, invented))
     assert found.table[["load_max_pct", "py_rms_pct"]].isna().all(axis=None)
@@ -134,8 +132,6 @@ def test_one_mesh_says_nothing_of_its_error(done: Any, tmp_path: Path) -> None:
     assert not found.table["pareto"].any()
     assert "pull, load: one mesh: nothing to compare it with" in list(study.reference_lines(found))
     assert all(line.endswith("no setting") for line in study.target_lines(found.table))
-    with pytest.raises(UserInputError, match="no run of the study has an error to offer"):
-        study.presets(elastic(), found)
 
 
 @pytest.mark.slow
@@ -171,13 +167,6 @@ def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None
     assert full(found).loc["coarse-0.75", "load_max_pct"] > 1.0
     assert "pull: the limit of bricks is apart by" in "\n".join(study.reference_lines(found))
     assert study.cell_size_of(found) == "(unknowns/(N + 1))^(-1/2)"
-    shipped = study.presets(elastic(), found)
-    assert {each["harmonics"] for each in shipped["settings"]} == {None, 2}
-    assert presets.cheapest("5%", shipped, elastic()).discretisation == "fourier"
-    for each in shipped["settings"]:
-        each |= {"load_max_pct": 4.0, "py_rms_pct": 4.0}
-    bricks = elastic(drainage={"stabilisation": 0.5})
-    assert presets.cheapest("5%", shipped, bricks).discretisation == "hex8"  # a series has none
 
 
 @pytest.mark.slow
@@ -272,44 +261,6 @@ def test_a_run_that_does_not_fit_is_a_row(done: Any, tmp_path: Path) -> None:
     assert "9 TB" in study.to_markdown(found, {}, "x.png")
 
 
-@pytest.mark.slow
-def test_presets_of_a_study_serve_a_run(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    written = json.loads(study.write_presets(elastic(), done.found, tmp_path / "presets.json").read_text("utf-8"))
-    assert {each["name"] for each in written["settings"]} == {each.name for each in done.settings}
-    assert next(e for e in written["settings"] if "steps" in e["name"])["solver"] == {"max_step_fraction": 0.3}
-    assert written["orders"]["hex8"]["load"] == pytest.approx(ORDER)
-    for each in written["settings"]:
-        each |= {"load_max_pct": 4.0, "py_rms_pct": 4.5}
-    written["settings"][1]["cpu_s"] = 1e-3
-    monkeypatch.setattr(presets, "shipped", lambda: written)
-    file, out = tiny.write(elastic(), tmp_path / "scene.toml"), tmp_path / "out"
-    given = ["run", str(file), "--out", str(out), "--target-error", "5%"]
-    answer = command(*given)
-    assert answer.code == 3 and "the run's own estimate is" in answer.err  # the study is invented
-    record = read_record(out)
-    assert record["target_error"]["setting"] == written["settings"][1]["name"] == "coarse"
-    assert record["error_estimate"]["estimate_pct"]["load_max"] > 0.0
-    assert record["phases"]["error estimate"]["wall_s"] > 0.0
-    assert "target error 5%: setting coarse" in answer.out
-    assert "estimated discretisation error: load" in answer.out
-    assert "Discretisation error" in (out / "report.html").read_text(encoding="utf-8")
-    refused = command(*given[:-1], "2%", "--force")
-    assert refused.code == 2 and "no setting of the study" in refused.err
-    both = command(*given, "--mesh", "coarse", "--force")
-    assert both.code == 2 and "give it or --mesh" in both.err
-
-
-@pytest.mark.slow
-def test_presets_take_the_smallest_order_of_all_paths(done: Any) -> None:
-    known = done.found.references["pull"]
-    slower = known | {"load": replace(known["load"], order=1.25), "py": replace(known["py"], order=None)}
-    several = replace(done.found, limits={"hex8": {"pull": known, "push": slower}})
-    found = study.presets(elastic(), several)["orders"]["hex8"]
-    assert found["load"] == 1.25
-    assert found["py"] == pytest.approx(ORDER)
-    assert found["rotation"] is None
-
-
 def test_estimate_in_python_covers_the_difference_to_a_finer_mesh() -> None:
     own = run(elastic(), estimate_error=True)
     fine = run(elastic().replace(mesh={"refinement": 0.9}))
@@ -329,10 +280,9 @@ def test_the_command(done: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert shown.code == 0, shown.err
     assert "reference: meshes coarse-0.75, coarse, coarse-1.35; h = unknowns^(-1/3)" in shown.out
     assert f"{done.out / 'accuracy.md'}: tables" in shown.out
-    answer = command(*given, "--json", "--write-presets", str(tmp_path / "p.json"))
+    answer = command(*given, "--json")
     assert answer.code == 0, answer.err
     assert json.loads(answer.out)["series"] == ["coarse-0.75", "coarse", "coarse-1.35"]
-    assert json.loads((tmp_path / "p.json").read_text("utf-8"))["schema"] == presets.SCHEMA
     assert command("accuracy", str(file), "--mesh", "huge").code == 2
 
 

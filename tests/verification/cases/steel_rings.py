@@ -11,7 +11,7 @@ import numpy as np
 from fe_engine.elements import fourier as elements
 from fe_engine.soil.elastic import elastic_matrix
 from pysprings.model.fourier import nodal_rings
-from pysprings.model.fourier_mesh import PRESETS, make_section
+from pysprings.model.fourier_mesh import FRICTIONAL, PRESETS, make_section
 from pysprings.model.mesh import Geometry
 from pysprings.model.steel import make_steel_rings
 from tests.verification.cases.steel_shell import LID, RADIUS, WALL, YOUNG
@@ -58,7 +58,8 @@ def ovalisation(harmonics: int) -> tuple[float, float]:
 def plate(preset: str, poisson: float = 0.3) -> float:
     """Deflection of the lid's centre under a uniform pressure, clamped along the skirt, over the closed form."""
     edge = 3.8
-    steel = make_steel_rings(make_section(Geometry(edge, 3.9, 4.0, 24.0, 12.0), PRESETS[preset], patch=True), LID)
+    section = make_section(Geometry(edge, 3.9, 4.0, 24.0, 12.0), PRESETS[FRICTIONAL][preset], patch=True)
+    steel = make_steel_rings(section, LID)
     nodes, quads = steel.nodes, steel.quads - steel.quads.min()
     lid = (nodes[quads, 1] < 0.0).any(axis=1)
     r, z = nodes.T

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""A study in words: the tables for a terminal and for a document."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from pysprings.core.columns import Column, Table, records
+from pysprings.full_model.accuracy.measures import MEASURES
+from pysprings.full_model.accuracy.presets import FOURIER, cheapest_within
+from pysprings.full_model.accuracy.target import TARGETS
+from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_COSTS = (
+    Column("setting", "name", words=True),
+    Column("unknowns", "unknowns", ",.0f"),
+    Column("increments", "increments", ".0f"),
+    Column("factorisations", "factorisations", ".0f"),
+    Column("wall [s]", "wall_s", ".3g"),
+    Column("CPU [s]", "cpu_s", ".3g"),
+    Column("wall [units]", "units", ".3g"),
+    Column("memory [MB]", "memory_MB", ".0f"),
+)
+_MACRO_COSTS = (
+    Column("springs from", "name", words=True), Column("50 points [ms]", "wall_s", ".3g", 1e3),
+    Column("[units]", "units", ".2g"),
+)  # fmt: skip
+_MACRO_ERRORS = ("load_max", "load_area", "rotation_max")
+
+
+def _mark(row: Mapping[str, Any]) -> str:
+    return ("*" if row["pareto"] else "") + ("" if row["status"] == "complete" else " stopped")
+
+
+def columns(model: str) -> tuple[Column, ...]:
+    """Return the columns of the table of a model, FULL or MACRO."""
+    errors = (
+        Column(f"{MEASURES[name].head} [%]", f"{name}_pct", ".2g")
+        for name in (MEASURES if model == FULL else _MACRO_ERRORS)
+    )
+    alone = (Column("alone [%]", "from_mesh_pct", ".2g"),) if model == FULL else ()
+    return (*(_COSTS if model == FULL else _MACRO_COSTS), *errors, *alone, Column("", _mark))
+
+
+def table_of(table: pd.DataFrame, model: str) -> Table:
+    """Return the settings of a model as a table for people."""
+    return Table.of(columns(model), records(table[table["model"] == model]))
+
+
+def reference_lines(outcome: StudyResult) -> Iterator[str]:
+    """Yield one line a path and quantity: how the reference was made, and its uncertainty."""
+    for path, references in outcome.references.items():
+        for name, reference in references.items():
+            doubts = [
+                f"{measure.head} {doubt:.2g} %"
+                for key, measure in MEASURES.items()
+                if measure.quantity == name and math.isfinite(doubt := outcome.uncertainty[path][key])
+            ]
+            yield f"{path}, {name}: {reference.note}" + (f"; uncertain by {', '.join(doubts)}" if doubts else "")
+    for path, apart in outcome.apart.items():
+        parts = [f"{MEASURES[key].head} {value:.2g} %" for key, value in apart.items() if math.isfinite(value)]
+        yield f"{path}: the limit of bricks is apart by {', '.join(parts)}"
+
+
+def cell_size_of(outcome: StudyResult) -> str:
+    """Return the size of cells from which the reference is extrapolated."""
+    series = any(each.name in outcome.series and each.discretisation == FOURIER for each in outcome.settings)
+    return "(unknowns/(N + 1))^(-1/2)" if series else "unknowns^(-1/3)"
+
+
+def target_lines(table: pd.DataFrame) -> Iterator[str]:
+    """Yield the cheapest setting within each target, by processor time."""
+    full = records(table[(table["model"] == FULL) & (table["status"] == "complete")])
+    for target, limit in TARGETS.items():
+        row = cheapest_within(limit, full)
+        if row is None:
+            yield f"load and p-y (root mean square) within {target}: no setting"
+            continue
+        units = f", {row['units']:.3g} units" if row["units"] else ""
+        time = f"{row['wall_s']:.3g} s wall, {row['cpu_s']:.3g} s CPU{units}"
+        yield f"load and p-y (root mean square) within {target}: {row['name']}, {time}"
+
+
+NOTES = (
+    "wall and CPU: the whole run with its files, springs and checks, caches of compiled code warm, no pictures; "
+    "unit: one factorisation and solve of the run's own last tangent.",
+    "Errors at equal displacement beside the reference, worst path. Load max: largest difference over the largest "
+    "load; load area: area between the curves over that below; p-y: over the largest p, root mean square and largest "
+    "over 8 slices of the skirt; rotation: largest difference over the largest (M of a translation, H of a rotation); "
+    "stiffness: at rest; pressure: peak contact pressure down to 0.9 of the skirt.",
+    "alone: what the setting changes by itself: largest load difference from the same mesh with the scene's own "
+    "settings. *: on the Pareto front of load max or p-y rms over wall time.",
+)
+
+
+def to_markdown(outcome: StudyResult, head: Mapping[str, Any], picture: str) -> str:
+    """Return the study as a document; ``head`` names scene, command and version, ``picture`` its file (or none)."""
+    lines = ["# Error against time", "", *(f"- {name}: {value}" for name, value in head.items()), ""]
+    lines += [f"![Error against time]({picture})", ""] if picture else []
+    lines += ["## Full model", "", *_table(outcome, FULL)]
+    lines += ["", *(text for note in NOTES for text in (note, "")), "## Reference", ""]
+    lines += [f"Meshes {', '.join(outcome.series)}; h = {cell_size_of(outcome)}.", ""]
+    lines += [f"- {line}" for line in reference_lines(outcome)]
+    lines += ["", "## Cheapest settings", "", *(f"- {line}" for line in target_lines(outcome.table))]
+    lines += ["", "## Macro-model", "", *_table(outcome, MACRO), ""]
+    lines += [
+        "Springs of each mesh, with all its depth slices and with fewer; the time is that of a curve of 50 points."
+    ]
+    stopped = [f"- {row['name']}: {row['why']}" for row in records(outcome.table) if row["why"]]
+    return "\n".join(lines + (["", "## Stopped", "", *stopped] if stopped else [])) + "\n"
+
+
+def _table(outcome: StudyResult, model: str) -> list[str]:
+    return table_of(outcome.table, model).markdown(numbers=True).splitlines()

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""Reactions extrapolated from two meshes: what they keep, what they tend to, and where there are none."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from scipy.interpolate import PchipInterpolator
+
+from pysprings import Scene, predict, predict_batch
+from pysprings.core.files.storage import read_tree
+from pysprings.full_model.accuracy import extrapolation
+from pysprings.full_model.compute import RunOptions, Sink, compute, run_into
+from pysprings.full_model.run_record import Computed
+from pysprings.results.folder import run_to_folder
+from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import paths_of
+from pysprings.springs.sums import balance
+from tests.support import tiny
+
+PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 4e-3, "arm": 4.0}
+BACK = {"name": "back", "kind": "pull", "lateral_displacement": 2e-3, "then": ["-1 mm"], "role": "held-back"}
+LOAD = {"name": "load", "kind": "load", "lateral_force": 2e5, "arm": 4.0, "role": "held-back"}
+DOWN = {"name": "down", "kind": "vertical", "vertical_displacement": 2e-3}
+SERIES: dict[str, Any] = {"mesh": {"discretisation": "fourier", "refinement": 0.5, "harmonics": 2}}
+
+
+def scene(**changes: Any) -> Scene:
+    return tiny.sand(**SERIES | {"paths": (PULL, BACK, LOAD, DOWN)} | changes)
+
+
+@cache
+def found() -> Computed:
+    return run_into(None, scene(), RunOptions(), Sink())
+
+
+def test_what_is_linear_in_the_reactions_is_kept() -> None:
+    tree, springs = found().tree, extract_springs(found().tree)
+    own, better = paths_of(tree, of_mesh=True), paths_of(tree)
+    for name in ("pull", "back", "down"):
+        a, b = own[name].dataset, better[name].dataset
+        assert float(np.abs(b["H"] - a["H"]).max() + np.abs(b["V"] - a["V"]).max()) > 0.0
+        assert max(map(abs, balance(springs[f"paths/{name}"].to_dataset(inherit=False)).values())) < 1e-12
+        y = b["u"] - b["rotation"] * b["depth"]
+        np.testing.assert_allclose(b["y"].transpose("step", "depth"), y, atol=1e-15)
+    pull = better["pull"].dataset
+    np.testing.assert_allclose(pull["M"][1:], 4.0 * pull["H"][1:], rtol=1e-5)  # height of the load
+    np.testing.assert_array_equal(pull["u"], own["pull"]["u"])  # what drives it
+    assert pull.attrs["end_H_N"] == float(pull["H"][-1])
+    np.testing.assert_array_equal(pull["normal_effective_stress"], own["pull"].dataset["normal_effective_stress"])
+
+
+def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_warning() -> None:
+    record, tree = found().record, found().tree
+    assert record.error_estimate is not None
+    assert record.error_estimate["extrapolated"]["paths"] == ["pull", "back", "down"]
+    assert [text for text in record.warnings if "path load has the reactions of one mesh: a load drives it" in text]
+    xr.testing.assert_identical(paths_of(tree)["load"].dataset, paths_of(tree, of_mesh=True)["load"].dataset)
+    assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
+
+
+def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one() -> None:
+    """The error of 0.6 and 1 of a section beside 2.2 of it is more than halved at the end of a pull."""
+    path = {**PULL, "lateral_displacement": 8e-3}
+    coarse, fine, truth = (
+        compute(scene(paths=(path,), mesh=SERIES["mesh"] | {"refinement": size})).tree for size in (0.6, 1.0, 2.2)
+    )
+    share = extrapolation.share_of(1.0 / 0.6, 2.0)
+    both, without = extrapolation.extrapolated(fine, coarse, share)
+    assert not without
+    u, H = (paths_of(truth)["pull"][name] for name in ("u", "H"))
+    errors = [
+        np.abs(PchipInterpolator(each["u"], each["H"])(u) - H)[-1]
+        for each in (paths_of(fine)["pull"], paths_of(both)["pull"])
+    ]
+    assert errors[1] < 0.5 * errors[0]
+
+
+def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
+    tree, shorter = found().tree, found().tree.copy(deep=True)
+    for name in ("pull", "back"):
+        shorter[f"paths/{name}"] = shorter[f"paths/{name}"].to_dataset(inherit=False).isel(step=slice(3))
+    _, without = extrapolation.extrapolated(tree, shorter, 0.5)
+    assert "it stopped on the coarser mesh at" in without["pull"] and "load" in without
+    del shorter["paths"]["down"]
+    assert "did not start" in extrapolation.extrapolated(tree, shorter, 0.5)[1]["down"]
+
+
+def test_other_slices_keep_force_and_moment() -> None:
+    path = paths_of(found().tree)["pull"].dataset
+    edges = np.linspace(0.0, float(path["depth_bounds"][-1, 1]), 12)
+    bounds, depth = np.stack([edges[:-1], edges[1:]], axis=1), 0.5 * (edges[1:] + edges[:-1])
+    p = path["p_component"].transpose("depth", "side", "component", "step").values
+    new = extrapolation._resliced(p, path, bounds, depth, levers=True)
+    heights = np.diff(path["depth_bounds"].values, axis=1)[:, 0]
+    for weight, other in ((heights, np.diff(edges)), (heights * path["depth"].values, np.diff(edges) * depth)):
+        was, now = (np.tensordot(w, v, axes=1) for w, v in ((weight, p), (other, new)))
+        np.testing.assert_allclose(now, was, rtol=1e-9, atol=1e-9 * np.abs(was).max())
+
+
+def test_answers_have_the_estimate_of_the_paths_that_they_stand_on() -> None:
+    springs, estimate = extract_springs(found().tree), found().record.error_estimate
+    assert estimate is not None
+    known = estimate["by_path"]["pull"]["load_pct"]
+    answer = predict(springs, H=5e4, arm=4.0)
+    np.testing.assert_allclose(answer["mesh_error_pct"], known)
+    assert predict_batch(springs, H=[5e4], arm=4.0)["mesh_error_pct"].values[0] == pytest.approx(known)
+
+
+def test_files_have_the_extrapolated_values_and_the_full_model_both(tmp_path: Path) -> None:
+    run_to_folder(scene(paths=(PULL,)), tmp_path / "out")
+    tree = read_tree(tmp_path / "out" / "full_model.nc")
+    own, better = paths_of(tree, of_mesh=True)["pull"], paths_of(tree)["pull"]
+    assert float(own["H"][-1]) != float(better["H"][-1])
+    table = pd.read_csv(tmp_path / "out" / "load_displacement.csv")
+    assert float(table["H_N"].iloc[-1]) == pytest.approx(float(better["H"][-1]), rel=1e-9)
+    springs = paths_of(read_tree(tmp_path / "out" / "springs.nc"))["pull"]
+    np.testing.assert_array_equal(springs["p"], better["p"])
