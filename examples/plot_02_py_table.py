@@ -53,8 +53,8 @@ print(table.groupby("depth_m").last())
 # the skirt, the tip and the lid; the warning about this is silenced here.
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
-    alone = pysprings.impose(springs, u=4.5e-3, arm=7.8, springs_kind="py")
-whole = pysprings.impose(springs, u=4.5e-3, arm=7.8, springs_kind="full")
+    alone = pysprings.impose(springs, u=2e-3, arm=7.8, springs_kind="py")
+whole = pysprings.impose(springs, u=2e-3, arm=7.8, springs_kind="full")
 print(f"p-y springs alone carry {100 * float(alone['H'] / whole['H']):.0f} % of the load")
 
 # %%

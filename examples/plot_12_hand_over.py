@@ -58,7 +58,7 @@ print(pysprings("export", "fan", "--to", "opensees", "--out", "opensees"))
 
 # %%
 # ``pysprings soildyn openfast`` then builds the library that OpenFAST loads, where a C compiler is there.
-options = ("--option", "z=-30 m", "--option", "torsion=2 GN m/rad")
+options = ("--option", "z=-30 m")
 pysprings("export", "fan", "--to", "openfast", "--out", "openfast", *options)
 print(*sorted(file.name for folder in ("opensees", "openfast") for file in (work / folder).iterdir()), sep="\n")
 

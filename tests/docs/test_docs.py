@@ -48,6 +48,14 @@ ELSEWHERE = {
     "pysprings design mono/runs/characteristic-V3000kN-rays loads.csv --out design.html": "needs the runs before it",
     'pysprings capacity sand.toml --V "1 MN" --V "3 MN" --directions 8 --out envelope': "many runs: as above",
     'pysprings capacity sand.toml --V "1 MN" --cases cases.csv --factor 1.25 --out envelope': "many runs: as above",
+    'pysprings ground site-cpt.gef site-lab.csv --depth "24 m" --out site.csv': "data/tutorials: tools.tutorials",
+    "pysprings run caisson.toml --estimate low --estimate best --estimate high --out out --no-figures "
+    "--no-estimate-error": "a scene with ranges is needed: tools.tutorials",
+    "pysprings run caisson.toml --estimate low --estimate best --estimate high --out out": "as above",
+    'pysprings design out site-cases.csv --tilt "0.25 deg"': "as above",
+    "pysprings ground cpt.gef": "the CPT of a reader: site/test_files.py",
+    "pysprings ground cpt.gef --out site.csv": "as above",
+    'pysprings ground cpt.ags lab.csv log.xlsx --depth "30 m" --nkt 12,14,16 --out site.csv': "as above",
     'pysprings predict rates --u-max "20 mm" --rate "0.5 mm/s"': "springs at two rates: springs/test_rates.py",
 }
 MM = 1.0e-3

@@ -14,7 +14,6 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.run_record import MeshFigures, PathFigures, RunRecord
-from pysprings.model.forecast.omissions import saved_text
 from pysprings.scene.defaults import value_text
 
 # Parts of the page in their order; "path" is repeated for each path.
@@ -130,6 +129,8 @@ def mesh_table(attrs: Mapping[Any, Any], mesh: MeshFigures | None = None) -> Tab
 
 def omission_table(left_out: Any) -> Table | None:
     """Return the table of what a scene leaves out, why, and what that saves; None where nothing is recorded."""
+    from pysprings.model.forecast.omissions import saved_text  # load cases are answered without the engine
+
     items = [item for item in left_out if isinstance(item, Mapping)] if isinstance(left_out, list | tuple) else []
     rows = [(str(item.get("what", "")), str(item.get("why", "")), saved_text(item.get("saved"))) for item in items]
     return Table("What this scene leaves out", ("what", "why", "what it saves"), rows) if rows else None

@@ -72,7 +72,7 @@ def _scene(caisson: dict[str, float], soil: dict[str, Any], young: float, **sect
         caisson=caisson | {"skirt_thickness": caisson["outer_diameter"] / 8e3},
         soil={"yield_surface": "elastic"} | soil,
         interface={"normal_stiffness": penalty, "shear_stiffness": penalty, "friction_coefficient": 5.0},
-        mesh={"discretisation": "fourier", "preset": "paper", "harmonics": 1}, **sections,
+        mesh={"discretisation": "fourier", "preset": "fine", "harmonics": 1}, **sections,
     )  # fmt: skip
 
 
