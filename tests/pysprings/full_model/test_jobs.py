@@ -110,7 +110,7 @@ from pysprings.core.progress import PlainLines
 from pysprings.cli import app
 import os, signal
 def report(self, path, fraction, message):
-    if path == "pull" and fraction > 0.3:
+    if path == "pull" and fraction > 0.05:
         os.killpg(0, signal.SIGINT)
 PlainLines.__call__ = report
 sys.argv = {args[2:]!r}
