@@ -16,7 +16,6 @@ from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.units import quoted
 from pysprings.core.words import ElementTest
-from pysprings.scene.fields import suggestion
 
 if TYPE_CHECKING:
     from pysprings.scene.ground import Stratum
@@ -140,6 +139,7 @@ def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) ->
 
 def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, ...]:
     """Return the keys to be fitted."""
+    from pysprings.scene.fields import suggestion
     from pysprings.studies.element.fit import known_keys
 
     if text is None:

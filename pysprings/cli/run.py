@@ -149,7 +149,7 @@ def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped
     loaded = loaded if options.target is None else target_start(loaded, options.target, options.mesh)
     with result_folder(folder, force, options.resume):
         if options.resume and not is_unfinished(folder):
-            return _ended_run(folder, on_mesh(loaded, options.mesh))
+            return _ended_run(folder, on_mesh(loaded, options.mesh), options.target)
         return run_one(loaded, folder, options)
 
 
@@ -182,7 +182,7 @@ def target_start(scene: Scene, word: str, mesh: str | None) -> Scene:
 def run_one(scene: Scene, folder: Path, options: RunOptions) -> Stopped:
     """Run a scene; return the error that ended it early if results were written nevertheless."""
     from pysprings.core.progress import reporter
-    from pysprings.results.folder import Writing, run_to_folder
+    from pysprings.results import folder as files
 
     before = record_stamp(folder)
     with interruptible():
@@ -191,14 +191,12 @@ def run_one(scene: Scene, folder: Path, options: RunOptions) -> Stopped:
         with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
             given: dict[str, Any] = {
                 "progress": logged(progress), "resume": options.resume, "jobs": options.jobs,
-                "writing": Writing(None, options.figures, tuple(options.format.split(","))),
+                "writing": files.Writing(None, options.figures, tuple(options.format.split(","))),
             }  # fmt: skip
             if options.target is None:
-                run_to_folder(scene, folder, mesh=options.mesh, estimate_error=options.estimate, **given)
+                files.run_to_folder(scene, folder, mesh=options.mesh, estimate_error=options.estimate, **given)
             else:
-                from pysprings.results.folder import run_to_target
-
-                run_to_target(scene, folder, options.target, options.budget, **given)
+                files.run_to_target(scene, folder, options.target, options.budget, **given)
     except (RunIncomplete, ResourceError, KeyboardInterrupt) as error:
         if record_stamp(folder) in (None, before):
             raise
@@ -212,12 +210,15 @@ def run_one(scene: Scene, folder: Path, options: RunOptions) -> Stopped:
     return None
 
 
-def _ended_run(folder: Path, scene: Scene) -> Stopped:
+def _ended_run(folder: Path, scene: Scene, target: str | None) -> Stopped:
     """Report how the run in a folder has ended; change nothing."""
     from pysprings.cli.results import read_record
     from pysprings.full_model.accuracy.target import as_ran
 
     record = read_record(folder)
+    had = (record.target_error or {}).get("target")
+    if target != had:
+        refuse("--resume", f"the run here was made {f'with --target-error {had}' if had else 'without --target-error'}")
     refuse_other_run(folder, record, as_ran(scene, record.target_error))
     to_stderr(f"the run in {folder} has ended ({record.status}): nothing is left to do")
     missed = (record.target_error or {}).get("missed")

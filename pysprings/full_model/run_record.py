@@ -221,6 +221,13 @@ class PathFigures(_Part):
     contact_rings: dict[str, Any] | None = None
     water: dict[str, float] | None = field(default=None, metadata=OPTIONAL)
     energy: dict[str, float] = field(default_factory=dict)
+
+    def ending_at(self, path: xr.Dataset) -> PathFigures:
+        """Return the figures with the last state, and the limit load there, of other values of the path."""
+        end = {name: float(path[name].values[-1]) for name in self.end}
+        limit = None if self.limit_load is None else LimitLoad.at(end, self.limit_load.criterion)
+        return dataclasses.replace(self, end=end, limit_load=limit)
+
     _typed: ClassVar[Mapping[str, Callable[[Any], Any]]] = {
         "status": Status,
         "reason": StopReason,

@@ -157,8 +157,8 @@ def _mesh_errors(model: MacroModel, states: Array) -> dict[str, Array]:
     known = {name: end.mesh_error for name, end in model.ends.items()}
     if not np.isfinite(list(known.values())).any():
         return {}
-    of_states = [max((known[name] for name in model.response.paths_at(each)), default=np.nan) for each in states]
-    return {MESH_ERROR: np.array(of_states)}
+    beside = model.response.paths_at(states)
+    return {MESH_ERROR: np.array([max((known[name] for name in names), default=np.nan) for names in beside])}
 
 
 def _attributes(
@@ -202,9 +202,8 @@ def _beyond(model: MacroModel, states: Array, used: Array, limit: Limit | None) 
     where, what = model.response.range_words()
     text = f"beyond the range of {where} {used.max():.3g} times {what} calibrated "
     text += "displacement (limit 1)"
-    ends = [
-        str(model.ends[name]) for name in model.response.paths_at(states[int(np.argmax(used))]) if name in model.ends
-    ]
+    (names,) = model.response.paths_at(states[[int(np.argmax(used))]])
+    ends = [str(model.ends[name]) for name in names if name in model.ends]
     return "; ".join(filter(None, (text, "" if limit is None else str(limit), *ends)))
 
 

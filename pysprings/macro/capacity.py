@@ -66,13 +66,13 @@ class Capacities:
     kind: Texts
     source: Texts
 
-    def attributes(self, place: int = -1) -> dict[str, Any]:
-        """Return the capacity along one of the loads as attributes of an answer; none for a load of zero."""
-        if not self.kind[place]:
+    def attributes(self) -> dict[str, Any]:
+        """Return the capacity along the last of the loads as attributes of an answer; none for a load of zero."""
+        if not self.kind[-1]:
             return {}
         return {
-            "capacity_H_N": float(self.H[place]), "capacity_M_Nm": float(self.M[place]),
-            "capacity_kind": str(self.kind[place]), "capacity_from": str(self.source[place]),
+            "capacity_H_N": float(self.H[-1]), "capacity_M_Nm": float(self.M[-1]),
+            "capacity_kind": str(self.kind[-1]), "capacity_from": str(self.source[-1]),
         }  # fmt: skip
 
 
@@ -267,7 +267,7 @@ def _stiffness_left(ways: _Ways, state: Array, size: Array) -> tuple[Array, Arra
 
 def _origin(model: MacroModel, state: Array) -> str:
     """Return words for the paths that the springs at a state (2,) come from."""
-    names = [f"'{name}'" for name in model.response.paths_at(state)]
+    names = [f"'{name}'" for name in model.response.paths_at(state[None])[0]]
     return f"{'paths' if len(names) > 1 else 'path'} {' and '.join(names)}"
 
 

@@ -66,11 +66,13 @@ class FanSprings(Response):
         """Return rho over that of the rays beside, by state (n, 2)."""
         return self.table.support(states, self.table.rows(states)[1])[0]
 
-    def paths_at(self, state: Array) -> list[str]:
-        """Return the names of the rays beside a state (2,)."""
-        place, path = self.table.rows(state[None])[1][0], self.table.path
-        low, high, share = int(place[0]), int(place[1]), float(place[2])
-        return [name for name, weight in ((path[low], 1.0 - share), (path[high], share)) if weight > ROUNDING]
+    def paths_at(self, states: Array) -> list[list[str]]:
+        """Return the names of the rays beside each state (n, 2)."""
+        path = self.table.path
+        return [
+            [name for name, weight in ((path[int(low)], 1.0 - share), (path[int(high)], share)) if weight > ROUNDING]
+            for low, high, share in self.table.rows(states)[1][:, :3].tolist()
+        ]
 
     def range_words(self) -> tuple[str, str]:
         """Return words for where springs end."""

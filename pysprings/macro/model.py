@@ -231,13 +231,13 @@ def typed(springs: AnySprings) -> Typed:
     return springs if isinstance(springs, CurveSprings) else Springs.of(springs)
 
 
-def spring_sets(springs: AnySprings, path: str | None = None) -> list[str]:
+def spring_sets(springs: AnySprings) -> list[str]:
     """Return the names of the spring sets that springs can give.
 
     "full" needs the companions of p, "pisa" a pure translation and a pure rotation, a fan two rays at least.
     """
     given = typed(springs)
-    lost = missing_companions(given, path)
+    lost = missing_companions(given)
     return [each.name for each in SPRING_SETS if not (lost and each.companions) and _is_ready(given, each)]
 
 

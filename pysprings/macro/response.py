@@ -99,8 +99,8 @@ class Response(Protocol):
     def range_used(self, states: Array) -> Array:
         """Return the largest displacement of a spring over its range, by state (n, 2)."""
 
-    def paths_at(self, state: Array) -> list[str]:
-        """Return the names of the paths that the springs at a state (2,) come from."""
+    def paths_at(self, states: Array) -> list[list[str]]:
+        """Return the names of the paths that the springs at each state (n, 2) come from."""
 
     def range_words(self) -> tuple[str, str]:
         """Return words for where springs end: what reaches beyond, and whose range it is."""

@@ -47,9 +47,9 @@ class RowSprings(Response):
         whole = ~self.table.cut
         return (np.abs(self.table.read(states)[whole]) / self.table.range[whole, None]).max(axis=0, initial=0.0)
 
-    def paths_at(self, _state: Array) -> list[str]:
-        """Return the name of the one path."""
-        return [self.origin.name]
+    def paths_at(self, states: Array) -> list[list[str]]:
+        """Return the name of the one path, by state."""
+        return [[self.origin.name]] * len(states)
 
     def range_words(self) -> tuple[str, str]:
         """Return words for where springs end."""

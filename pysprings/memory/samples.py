@@ -51,10 +51,10 @@ class Sample:
         return summed
 
 
-def samples(springs: Springs, table: FanTable, weight: float = WEIGHT) -> list[Sample]:
+def samples(springs: Springs, table: FanTable) -> list[Sample]:
     """Return the ways that springs with memory are calibrated on; those that turn back have a weight beside a ray."""
     rate = springs.remembering[0].rate if springs.rate_sets else None
-    ways = [*_rays(table, rate), *(_turning(path, table, weight, rate) for path in springs.remembering)]
+    ways = [*_rays(table, rate), *(_turning(path, table, WEIGHT, rate) for path in springs.remembering)]
     return ways + [
         Sample(name, motions, rows, weight * _weights(rows, table, 0.0), False, recorded=False)
         for weight, made in ((1.0, _pulls(table)), (LIGHT, _beyond(table)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The axes and signs of every file, as a drawing: SVG for reports and the README, plain text for tables.
+"""The axes and signs of every file, as a drawing (SVG) for reports and the README.
 
 ``python -m pysprings.results.axes FILE.svg`` writes the drawing.
 """
@@ -7,30 +7,6 @@
 import os
 import sys
 from pathlib import Path
-
-AXES_ASCII = r"""
-  section in the symmetry plane (y away from you)       plan (seen from above)
-
-          H, u > 0                                            back  theta = 180 deg
-     h   ---->                                              .----^----.
-     :    |   rotation, M > 0 : clockwise                  /     |     \
-     :    |   (leans towards +x)                          |      |      |
-  ___:____|______________  mudline                H ----> |      o----> | ----> x
-   ====================      z = 0  o---> x               |             |  front
-   ||                ||             |                      \           /   theta = 0
-   ||  soil plug     ||  skirt      v                       '---------'
-   ||                ||  0 < z < L  z = depth              y upwards: theta = 90 deg
-   ||  inside        ||  outside
-   tip              tip
-
-  u_x(z) = u - rotation*z = y(z)      u_z(x) = w + rotation*x      w, V positive down (heave: w < 0)
-  M about the lid centre at mudline, work conjugate of rotation; a load H at height h gives M = H*h
-  p, t, m, tip and lid terms: soil reactions, positive when they oppose a positive displacement
-    H = sum p dz + H_tip + H_lid        V = sum t dz + V_tip + V_lid
-    M = -(sum p z dz + L H_tip) + sum m dz + M_tip + M_lid
-  p'_N effective normal stress: compression positive; gap >= 0; F_in, F_out: force on the soil, down +
-  all loads and reactions are those of the whole caisson
-""".strip("\n")
 
 _STYLE = """
   .t { font: 13px 'DejaVu Sans', Arial, sans-serif; fill: #1a1a1a; }

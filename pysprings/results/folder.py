@@ -94,23 +94,27 @@ def run_to_target(
 
     The scene is on the mesh to begin with (`accuracy.target.start`). The folder has the results of the last run that
     ended. Runs that would exceed the budget [s] of wall time are not begun: the record names the target as missed. A
-    resumed run goes on from the last one that ended.
+    resumed run goes on from the last one that ended; its budget begins anew.
     """
     folder, began = Path(out), time.monotonic()
     noted = _noted(folder) if resume else {}
-    scene, (after, _) = target.as_ran(scene, noted), target.finer(scene, noted) if noted.get("missed") else (None, "")
-    if after is not None:
+    earlier = [run for run in noted.get("runs", []) if target.JUDGED.keys() <= run.keys()]
+    whole = len(earlier) == len(noted.get("runs", []))  # the last run has its estimate
+    after = target.finer(scene, noted)[0] if whole and noted.get("missed") else None
+    if after is None:
+        scene, earlier = target.as_ran(scene, noted), earlier[:-1] if whole else earlier
+    else:
         scene, resume = after, None
     while True:
-        before, earlier = time.monotonic(), noted.get("runs", []) if noted.get("missed") else []
+        before = time.monotonic()
         judged = replace(writing or Writing(), target_error=(word, scene, earlier))
         try:
             return run_to_folder(scene, folder, resume=resume, estimate_error=True, writing=judged, **given)
         except RunIncomplete:
             noted = _noted(folder)
-            if not noted.get("missed"):
+            if not noted.get("missed") or len(noted["runs"]) == len(earlier):
                 raise
-        after, why = target.finer(scene, noted)
+        earlier, (after, why) = noted["runs"], target.finer(scene, noted)
         needed = 0.0 if after is None else target.cost(time.monotonic() - before, scene, after)
         left = math.inf if budget is None else budget - (time.monotonic() - began)
         if needed > left:
@@ -156,22 +160,24 @@ class _Files(Sink):
         self.source = Source()
         self.has_springs = False
         self.errors: list[Exception] = []  # of results, not of what shows them
+        self.stopped = False  # by an interrupt while results are written
 
     def keep(self, computed: Computed) -> None:
-        """Write the results, in the place of those of an earlier run; parts that follow are named as not made yet."""
+        """Write full model, loads and springs, in the place of those of an earlier run; the rest is not made yet."""
         record, meter = computed.record, Meter()
+        self._judge(record)
         with meter.clock.phase("output: files before the estimate"):
-            self._write_results(computed)
+            self._write_model(computed)
         meter.charge(record)
         still = [] if record.error_estimate else [PHASE]
-        self._write_record(record, [*still, *self._shown])
+        self._write_record(record, [*still, *([] if self.writing.springs_alone else ["tables"]), *self._shown])
 
     def finish(self, computed: Computed) -> None:
         """Write the results as they are at the end, pictures and report; what fails is named in the record."""
         record, meter = computed.record, Meter()
-        if self.writing.target_error is not None:
-            word, scene, earlier = self.writing.target_error
-            record.target_error = target.judged(word, scene, record.error_estimate or {}, earlier)
+        if computed.interrupted and self.writing.target_error is not None and self.writing.target_error[2]:
+            return  # the results of the mesh before stay; checkpoints have what ran
+        self._judge(record)
         with meter.clock.phase("output: files"):
             self._write_results(computed)
         if not self.writing.springs_alone:
@@ -183,6 +189,12 @@ class _Files(Sink):
         (self.folder / LIST).unlink(missing_ok=True)
         if self.errors:
             raise self.errors[0]
+
+    def _judge(self, record: RunRecord) -> None:
+        """Note how the run stands to its target, if it has one."""
+        if self.writing.target_error is not None:
+            word, scene, earlier = self.writing.target_error
+            record.target_error = target.judged(word, scene, record.error_estimate or {}, earlier)
 
     @property
     def _shown(self) -> list[str]:
@@ -219,48 +231,51 @@ class _Files(Sink):
         springs, table = self.source.springs if self.has_springs else None, self.source.comparison if compared else None
         write_report(self.folder, computed.tree, springs, table, run=computed.record, figures=figures)
 
-    def _write_results(self, computed: Computed) -> None:
-        """Write full model, springs and tables; the springs alone where nothing else is asked for."""
-        again = self.kept is computed.tree and not self.errors
-        if not again:
-            self.errors.clear()
-            self._begin(computed)
+    def _write_model(self, computed: Computed) -> None:
+        """Write full model, loads and springs where they are not there yet; the springs alone where that is asked."""
+        if self.kept is computed.tree and not self.errors:
+            return
+        self.errors.clear()
+        self._begin(computed)
         record, folder, source = computed.record, self.folder, self.source
-        whole, model = not self.writing.springs_alone, self.folder / "full_model.nc"
-        if whole and not again:
-            write_tree(computed.recorded(), model)
-        if whole:
+        if not self.writing.springs_alone:
+            write_tree(computed.recorded(), folder / "full_model.nc")
             _write_record(folder, record.as_dict() | {"status": WRITING})
-        if not again:
-            self._write_curves(record, whole)
-        if self.has_springs and whole:
-            self._made(record, "summary", lambda: self._summarise(record))
-            for each in (each for each in EXPORTERS if each.of_every_run and each.file != "springs.nc"):
-                self._made(record, each.file, partial(export, source, each.name, folder / each.file))
-        if whole:
-            write_attribute(ATTRIBUTE, computed.recorded().attrs[ATTRIBUTE], model)  # with the summary
-        if "volume" in source.result.children and whole:
-            target = Target(folder / PARAVIEW, partial(note, folder))
-            self._made(record, "paraview", lambda: export(source, "paraview", target))
-
-    def _write_curves(self, record: RunRecord, whole: bool) -> None:
-        """Write what the record has no part in: curves, springs, comparison."""
-        folder, source = self.folder, self.source
-        if whole and {"paths", "space"} & set(source.result.children):
-            write_load_displacement(source.result, folder / "load_displacement.csv")
+            if {"paths", "space"} & set(source.result.children):
+                write_load_displacement(source.result, folder / "load_displacement.csv")
         if self.has_springs:
             self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
             record.balance = {name: balance(path.dataset) for name, path in paths_of(source.springs).items()}
-        if self.has_springs and whole:
+
+    def _write_results(self, computed: Computed) -> None:
+        """Write full model, springs, and the tables that are made of them."""
+        self._write_model(computed)
+        if self.writing.springs_alone:
+            return
+        record, folder, source = computed.record, self.folder, self.source
+        _write_record(folder, record.as_dict() | {"status": WRITING})
+        if self.has_springs:
             self._made(record, "compare.csv", lambda: write_frame(source.comparison, folder / "compare.csv"))
+            self._made(record, "summary", lambda: self._summarise(record))
+            for each in (each for each in EXPORTERS if each.of_every_run and each.file != "springs.nc"):
+                self._made(record, each.file, partial(export, source, each.name, folder / each.file))
+        write_attribute(ATTRIBUTE, computed.recorded().attrs[ATTRIBUTE], folder / "full_model.nc")  # with the summary
+        if "volume" in source.result.children:
+            target = Target(folder / PARAVIEW, partial(note, folder))
+            self._made(record, "paraview", lambda: export(source, "paraview", target))
 
     def _summarise(self, record: RunRecord) -> None:
         source = self.source
         source.summary = record.summary = summary(source.result, record, source.comparison, source.springs)
 
     def _made(self, record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
-        """Return what ``make`` returns; None where it fails, which `finish` raises once all else is made."""
-        return _made(record, name, make, self.errors)
+        """Return what ``make`` returns; None where it fails, which `finish` raises once all else is made.
+
+        An interrupt of the estimate costs no table, one of a table those that follow.
+        """
+        found = _made(record, name, make, self.errors, self.stopped)
+        self.stopped |= record.not_made.get(name) == StopReason.INTERRUPTED
+        return found
 
     def _begin(self, computed: Computed) -> None:
         """Take up a result; files of an earlier one go."""
@@ -270,10 +285,15 @@ class _Files(Sink):
         self.source, self.kept, self.has_springs = Source(springs, computed.tree), computed.tree, springs is not None
 
 
-def _made(record: RunRecord, name: str, make: Callable[[], T], errors: list[Exception] | None = None) -> T | None:
-    """Return what ``make`` returns; None where it fails, with the reason in the record, and after an interrupt."""
+def _made(
+    record: RunRecord, name: str, make: Callable[[], T], errors: list[Exception] | None = None, stop: bool | None = None
+) -> T | None:
+    """Return what ``make`` returns; None where it fails, with the reason in the record, and where it is to stop.
+
+    Without ``stop`` any interrupt before stops it.
+    """
     try:
-        if StopReason.INTERRUPTED in record.not_made.values():
+        if StopReason.INTERRUPTED in record.not_made.values() if stop is None else stop:
             raise KeyboardInterrupt
         return make()
     except KeyboardInterrupt:

@@ -7,14 +7,13 @@ import math
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pysprings.core.errors import PyspringsError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
-from pysprings.core.words import MeshPreset
 from pysprings.results.analysis.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
-MESHES = get_args(MeshPreset)  # from coarse to fine
 
 
 @dataclass(frozen=True)
@@ -218,15 +216,13 @@ def _use(run: Run) -> str:
         limits.append("they were not checked on a path of their own")
     elif max(worst.values()) > _GOOD:
         limits.append(f"their error is above {_GOOD:g} % on a path held back")
-    limits += _mesh_limits(run.record.error_estimate or {}, run.scene.mesh.preset)
+    limits += _mesh_limits(run.record.error_estimate or {})
     return "predictions within the range" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
 
 
-def _mesh_limits(estimate: Mapping[str, Any], preset: str) -> list[str]:
+def _mesh_limits(estimate: Mapping[str, Any]) -> list[str]:
     """Say where the error of the mesh is too large for design, and the remedy."""
     size = (estimate.get("estimate_pct") or {}).get("load_max")
-    finer = MESHES[MESHES.index(preset) + 1 :]
-    remedy = f"run it with --mesh {finer[0]}" if finer else "raise mesh.refinement"
     if size is None:
         return [f"the mesh error of load is unknown ({estimate.get('why_not', 'run it with --estimate-error')})"]
     if size <= _GOOD_MESH:
@@ -235,7 +231,7 @@ def _mesh_limits(estimate: Mapping[str, Any], preset: str) -> list[str]:
         estimate.get("by_path") or {}, key=lambda name: estimate["by_path"][name].get("load_pct", 0.0), default=""
     )
     on = f" on path {path}" if path else ""
-    return [f"the mesh error of load is {percent(size)}{on}: {remedy}"]
+    return [f"the mesh error of load is {percent(size)}{on}: run it with --target-error {_GOOD_MESH:g}%"]
 
 
 def _lateral(run: Run) -> list[tuple[str, xr.Dataset]]:

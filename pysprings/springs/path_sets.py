@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_load, same_way
-from pysprings.springs.path_ends import KEYS, earlier_end
+from pysprings.springs.path_ends import KEYS, MESH_ERROR, earlier_end
 
 Array = NDArray[np.float64]
 
@@ -109,6 +109,8 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
     out = out.copy(data=data)
     out.attrs = {key: value for key, value in slow.attrs.items() if key not in KEYS}
     out.attrs |= earlier_end(out, whole, fast.dataset)
+    errors = [float(each.attrs.get(MESH_ERROR, np.nan)) for each in (slow, fast)]
+    out.attrs |= {MESH_ERROR: float(np.fmax(errors[0], errors[1]))} if np.isfinite(errors).any() else {}
     return SpringPath(slow.name, out, slow.length)
 
 

@@ -19,12 +19,14 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from pysprings.core import variables
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.variables import EXTRAPOLATED
+from pysprings.model.fourier_mesh import COHESIVE, FRICTIONAL
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.path_ends import end_numbers
 
 Array = NDArray[np.float64]
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
-ORDERS = {"frictional": 2.0, "cohesive": 1.7}
+ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
+LEAST_RATIO = 1.6  # of the cells: closer meshes would multiply what is not of the mesh, such as tolerances and steps
 _DEPTHS = ("p_component", "m", "t")
 _ORDER = ("depth", "side", "component", "step")
 _SAME = 1e-9  # of the way: states within it are one

@@ -20,7 +20,7 @@ from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import extrapolation, two_mesh
 from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
-from pysprings.full_model.run_record import Computed, Status
+from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import ground_of_sections
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MESH_ERROR
@@ -139,12 +139,11 @@ def _run(
     scene: Scene, key: int | None, into: dict[int | None, xr.DataTree],
 ) -> bool:  # fmt: skip
     """Run a scene on the coarser mesh and keep its result; return whether there is one."""
-    whole = into is companions.trees
     beside = "" if key is None else f", {key} harmonics"
     report = (
         None if progress is None else (lambda at, share, text: progress(f"coarser mesh{beside}, {at}", share, text))
     )
-    saved, name = companions.checkpoints, f"{key or 'bricks'}{'' if whole else 'few'}"
+    saved, name = companions.checkpoints, f"{key or 'bricks'}{'' if into is companions.trees else 'few'}"
     kept = {} if saved is None else {"checkpoints": saved.companion(name), "resume": None}
     before = time.process_time()
     coarse = compute(scene, progress=report, **kept)
@@ -153,9 +152,7 @@ def _run(
         companions.why_not, companions.again = str(coarse.record.stopped_by), True
         return False
     companions.stopped |= {
-        name: str(path.reason or path.status)
-        for name, path in coarse.record.paths.items()
-        if path.reason is not None and not (whole and key is not None and path.status is Status.LIMIT_LOAD)
+        name: str(path.reason or path.status) for name, path in coarse.record.paths.items() if path.reason is not None
     }
     into[key] = coarse.tree
     return True
@@ -220,11 +217,13 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     coarse, made = companions.trees[n], result
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
     given: dict[str, Any] = {"ratio": ratio, "richer": None if n is None else companions.richer.get(n + 2)}
-    if ratio is not None:
+    if ratio is not None and ratio > extrapolation.LEAST_RATIO:
         made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio)
     estimate = two_mesh.estimate(result.tree, coarse, **given)
-    if companions.stopped and estimate["estimate_pct"]:
-        estimate |= {"companion_stopped": companions.stopped, "companion_paths": len(paths_of(coarse))}
+    covered = given.get("extrapolated", {}).get("paths", ())
+    stopped = {name: why for name, why in companions.stopped.items() if name not in covered}
+    if stopped and estimate["estimate_pct"]:
+        estimate |= {"companion_stopped": stopped, "companion_paths": len(paths_of(coarse))}
     record.error_estimate = estimate
     for name, each in estimate.get("by_path", {}).items() if made is not result else ():
         made.tree[f"paths/{name}"].attrs[MESH_ERROR] = each.get("load_pct", float("nan"))
@@ -236,12 +235,14 @@ def _extrapolated(scene: Scene, result: Computed, coarse: xr.DataTree, ratio: fl
     order = extrapolation.ORDERS[ground_of_sections(scene)]
     share = extrapolation.share_of(ratio, order)
     tree, not_alike = extrapolation.extrapolated(result.tree, coarse, share)
-    record = result.record
-    record.warnings += [f"path {name} has the reactions of one mesh: {why}" for name, why in not_alike.items()]
-    names = [name for name in paths_of(tree) if name not in not_alike]
+    record, paths = result.record, paths_of(tree)
+    names = [name for name in paths if name not in not_alike]
     if names:
         sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, coarse))
         record.remarks.append(f"reactions extrapolated from meshes of {sizes} unknowns (order {order:g})")
-        tree.attrs["remarks"] = "; ".join(record.remarks)
+    record.remarks += [f"path {name} has the reactions of one mesh: {why}" for name, why in not_alike.items()]
+    tree.attrs["remarks"] = "; ".join(record.remarks)
+    for name in names:
+        record.paths[name] = record.paths[name].ending_at(paths[name].dataset)
     how = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
     return replace(result, tree=tree), how

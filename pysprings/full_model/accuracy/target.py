@@ -59,7 +59,7 @@ def judged(
 
 
 def finer(scene: Scene, noted: Mapping[str, Any]) -> tuple[Scene | None, str]:
-    """Return the scene on the next mesh and an empty text; None and why there is none."""
+    """Return the scene on the mesh after the last that ran, and an empty text; None and why there is none."""
     scene = as_ran(scene, noted)
     word, own = str(noted["target"]), noted["reached_pct"]
     beyond = max((value / TARGETS[word] for value in own.values()), default=0.0)

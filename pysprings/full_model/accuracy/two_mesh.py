@@ -14,7 +14,7 @@ is run with N and with more harmonics; their difference is the share of the harm
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -138,12 +138,14 @@ def estimate(
     if richer is not None and beyond:
         numbers = [int(tree.attrs["harmonics"]) for tree in (coarse, richer)]
         result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
-    better = () if extrapolated is None else extrapolated["paths"]
-    result |= {} if extrapolated is None else {"extrapolated": dict(extrapolated)}
+    better: Sequence[str] = ()
+    if extrapolated is not None:
+        better, left_of = extrapolated["paths"], {name: UNSURE[q] for name, q in ESTIMATED.items() if q in UNSURE}
+        result |= {"extrapolated": {**extrapolated, "left": left_of}}
     estimates: ByPath = {name: {} for name in own}
     for name, quantity in ESTIMATED.items():
         order = ORDERS[kind].get(quantity, USUAL_ORDER)
-        result["order"][name] = order
+        result["order"][name] = extrapolated["order"] if extrapolated and better and quantity in UNSURE else order
         if quantity == STIFFNESS and not starts_elastic(fine):
             continue
         whole = SAFETY[kind] / (ratio**order - 1.0)
@@ -202,11 +204,13 @@ def words(estimated: Mapping[str, Any]) -> str:
     """Return an estimate in words, one line."""
     if not estimated["estimate_pct"]:
         return f"no estimate of the discretisation error: {estimated['why_not']}"
-    series = estimated.get("harmonics")
+    series, how = estimated.get("harmonics"), estimated.get("extrapolated") or {}
     beside = "" if series is None else f", {series[0]} and {series[1]} harmonics"
+    safe = f"safety factor {estimated['safety']:g} included"
+    safe = f"what extrapolation by order {how['order']:g} leaves" if how.get("paths") else safe
     return (
         f"estimated discretisation error: {short(estimated)} (two meshes, {estimated['unknowns'][1]:,} and "
-        f"{estimated['unknowns'][0]:,} unknowns{beside}; safety factor {estimated['safety']:g} included)"
+        f"{estimated['unknowns'][0]:,} unknowns{beside}; {safe})"
     )
 
 

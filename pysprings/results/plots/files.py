@@ -169,10 +169,10 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png",), dpi: int
     return [file for each, file in files.items() if each in formats]
 
 
-def redraw(draw: Callable[[], Figure], stem: Path, formats: Sequence[str] = ("png",), dpi: int = DPI) -> list[Path]:
+def redraw(draw: Callable[[], Figure], stem: Path, formats: Sequence[str] = ("png",)) -> list[Path]:
     """Save the figure that `draw` returns; with no format draw nothing, and remove the files of the stem."""
     if formats:
-        return save(draw(), stem, formats, dpi)
+        return save(draw(), stem, formats)
     for each in FORMATS:
         stem.with_name(f"{stem.name}.{each}").unlink(missing_ok=True)
     return []

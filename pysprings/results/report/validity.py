@@ -11,6 +11,7 @@ import xarray as xr
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import driven
 from pysprings.core.text import number
+from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS
 from pysprings.results.report.inputs import ReportTable
@@ -213,9 +214,14 @@ def estimate_table(run: RunRecord | None) -> Table | None:
     ]
     note = (
         f"From the same scene on a coarser mesh ({estimate['unknowns'][1]} beside {estimate['unknowns'][0]} unknowns, "
-        f"ratio of cell sizes r = {estimate['cell_ratio']:.3g}): safety factor {estimate['safety']:g} times "
-        "difference / (r^order - 1)."
+        f"ratio of cell sizes r = {estimate['cell_ratio']:.3g}): "
     )
+    factor = f"safety factor {estimate['safety']:g} times difference / (r^order - 1)"
+    if (how := estimate.get("extrapolated") or {}).get("paths"):
+        left = ", ".join(f"{share:g} ({MEASURES[name].head})" for name, share in how["left"].items())
+        note += f"extrapolated by difference / (r^order - 1), which leaves these shares of it: {left}; else {factor}."
+    else:
+        note += f"{factor}."
     if series := estimate.get("harmonics"):
         shares = ", ".join(f"{words[name]} {number(value, 2)} %" for name, value in estimate["harmonics_pct"].items())
         note += f" The difference of {series[0]} and {series[1]} harmonics there is added: {shares}."

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Samples of a study -> an atlas: principal components, a Gaussian process each, and the check by leaving cases out."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pysprings.core.progress import Progress
 from pysprings.core.version import __version__
 from pysprings.macro.fan_springs import BAND
 from pysprings.studies.atlas import check
@@ -46,10 +44,7 @@ class LeftOut:
         return float((np.abs(self.error[known]) <= BAND * self.deviation[known]).mean())
 
 
-def build(
-    samples: Samples, family: Family, components: int = COMPONENTS, about: Mapping[str, str] | None = None,
-    progress: Progress = lambda *_: None,
-) -> tuple[Atlas, LeftOut]:  # fmt: skip
+def build(samples: Samples, family: Family) -> tuple[Atlas, LeftOut]:
     """Return an atlas of samples, and its loads with each case left out."""
     even = family.even(samples.inputs)
     points = (even - even.min(axis=0)) / (even.max(axis=0) - even.min(axis=0))
@@ -59,17 +54,14 @@ def build(
     whole = filled(points, np.concatenate(known, axis=1))
     mean = whole.mean(axis=0)
     left, size, right = np.linalg.svd(whole - mean, full_matrices=False)
-    m = min(components, n - 1)
+    m = min(COMPONENTS, n - 1)
     scores = left[:, :m] * size[:m]
-    processes = []
-    for k in range(m):
-        processes.append(fit(points, scores[:, k]))
-        progress("components", (k + 1) / m, "")
+    processes = tuple(fit(points, scores[:, k]) for k in range(m))
     width = int(np.prod(shape))
     atlas = Atlas(
         family=family, text=samples.scene, inputs=samples.inputs, rays=samples.rays, angles=samples.angles, X=samples.X,
-        reach=samples.reach, rest=_rest(samples, mean, scores, right[:m], shape), about=dict(about or {}),
-        mean=mean[:width].reshape(shape), modes=right[:m, :width].reshape(m, *shape), processes=tuple(processes),
+        reach=samples.reach, rest=_rest(samples, mean, scores, right[:m], shape), about={},
+        mean=mean[:width].reshape(shape), modes=right[:m, :width].reshape(m, *shape), processes=processes,
         stiffness=tuple(fit(points, values) for values in samples.stiffness.T), settlement=fit(points, samples.settled),
     )  # fmt: skip
     out = left_out(atlas, samples)
@@ -111,16 +103,15 @@ def _stiffness_errors(processes: tuple[Process, ...]) -> Array:
 
 
 def atlas_of(
-    study: Path, family: Family, held_back: Path | None, at: tuple[float, ...] = check.AT,
-    progress: Progress = lambda *_: None,
-) -> tuple[Atlas, LeftOut, pd.DataFrame | None]:  # fmt: skip
+    study: Path, family: Family, held_back: Path | None, at: tuple[float, ...] = check.AT
+) -> tuple[Atlas, LeftOut, pd.DataFrame | None]:
     """Return the atlas of a study, the errors of cases left out, and the comparison with held-back pulls.
 
     Raises UserInputError for studies that an atlas cannot be made of.
     """
     with open_study(study) as data:
         title, samples = str(data.attrs["title"]), read_samples(data.load(), family)
-    atlas, left = build(samples, family, progress=progress)
+    atlas, left = build(samples, family)
     compared = None
     if held_back is not None:
         with open_study(held_back) as data:

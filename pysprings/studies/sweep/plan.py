@@ -208,7 +208,6 @@ DONE, SHORT, FAILED, STOPPED, WAITING, SKIP, AGAIN = (
     "complete", "partial", "failed", "stopped", "waiting", "skip", "again",
 )  # fmt: skip
 ENDED = (DONE, SHORT, FAILED)
-_EDITED = (SKIP, AGAIN)
 
 
 @dataclass(frozen=True)

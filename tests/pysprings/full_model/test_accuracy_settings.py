@@ -25,6 +25,7 @@ from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, 
 from pysprings.model.build import counts_of
 from pysprings.model.fourier import section_counts_of
 from pysprings.model.mesh import PRESETS as MESHES
+from pysprings.springs.path import paths_of
 from tests.support import tiny
 from tests.support.measured import with_error
 
@@ -131,7 +132,7 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
     assert found["estimate_pct"]["load_max"] == pytest.approx(two_mesh.SAFETY["hex8"] * true, rel=1e-6)
     assert found["cell_ratio"] == pytest.approx(3.0 ** (1 / 3), abs=1e-4)
     assert "two meshes, 3,000 and 9,000 unknowns" in two_mesh.words(found)
-    left = two_mesh.estimate(fine, coarse, extrapolated={"paths": ["pull"]})
+    left = two_mesh.estimate(fine, coarse, extrapolated={"paths": ["pull"], "order": order})
     ratio = left["by_path"]["pull"]["load_pct"] / found["by_path"]["pull"]["load_pct"]
     assert ratio == pytest.approx(two_mesh.UNSURE["load"] * (found["cell_ratio"] ** order - 1.0) / 3.0, rel=1e-3)
     assert left["by_path"]["shift"] == found["by_path"]["shift"]
@@ -189,8 +190,10 @@ def test_harmonics_grow_until_two_more_change_little(change: dict[int, float], c
 
 def finished(tree: Any, status: Status = Status.COMPLETE, stopped: StopReason | None = None) -> Computed:
     """Return a result whose record has the tree's number of harmonics."""
-    record = RunRecord(status, stopped, mesh=MeshFigures(harmonics=tree.attrs.get("harmonics")))
-    return Computed(tree, record)
+    paths = {name: PathFigures(Status.COMPLETE) for name in paths_of(tree)}
+    return Computed(
+        tree, RunRecord(status, stopped, mesh=MeshFigures(harmonics=tree.attrs.get("harmonics")), paths=paths)
+    )
 
 
 def fails(*_: Any, **__: Any) -> Computed:
@@ -258,6 +261,7 @@ def test_an_estimate_names_its_worst_path_and_where_the_companion_stopped() -> N
     fine = with_error(9000, harmonics=3)
     for tree, other in ((far, near), (fine, with_error(9000, harmonics=3))):
         tree["paths/second"] = other["paths/pull"].copy()
+    far["paths/second"] = far["paths/second"].to_dataset().isel(step=slice(0, -1))
     stopped = PathFigures(Status.PARTIAL, StopReason.APEX)
     done, coarse = finished(fine), finished(far, Status.PARTIAL)
     coarse.record.paths["second"] = stopped

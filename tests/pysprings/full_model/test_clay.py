@@ -56,8 +56,10 @@ def test_weaker_extension_takes_some_load_and_equal_factors_none(discretisation)
     pull = {**tiny.PULL, "lateral_displacement": 20e-3}
     ends = []
     for factors in ({}, {"direct_shear_factor": 1.0}, {"extension_factor": 0.5}):
-        result = compute(clay(discretisation, {"yield_surface": "von-mises"} | factors, paths=(pull,)))
-        assert result.record.paths["pull"].median_iterations <= 6
+        scene = clay(discretisation, {"yield_surface": "von-mises"} | factors, paths=(pull,))
+        scene = scene.replace(mesh={"refinement": 0.8}) if discretisation == "fourier" else scene
+        result = compute(scene)
+        assert result.record.paths["pull"].median_iterations <= 5
         ends.append(float(result.tree["paths/pull"]["H"][-1]))
     assert ends[1] == pytest.approx(ends[0], rel=1e-5)
     assert 0.7 * ends[0] < ends[2] < 0.99 * ends[0]
@@ -77,8 +79,11 @@ def test_adhesion_bounds_the_pull_out_of_a_vented_caisson():
     c = scene.caisson
     inner = c.outer_diameter - 2.0 * c.skirt_thickness
     mean = 5e3 + 2e3 * 0.5 * c.skirt_length
-    wanted = np.pi * c.skirt_length * mean * (0.6 * c.outer_diameter + 0.3 * inner)
-    assert -wanted < capacity(scene) < -0.97 * wanted  # 2.6 % open, on sections twice as fine as well
+    outside, inside = (np.pi * c.skirt_length * mean * each for each in (0.6 * c.outer_diameter, 0.3 * inner))
+    path = compute(scene).tree["paths/down"]
+    assert float(path["V_outer"][-1]) == pytest.approx(-outside, rel=1e-6)
+    # the open ends: 8 % of the inner wall, on sections twice as fine as well
+    assert float(path["V"][-1]) == pytest.approx(-(outside + 0.92 * inside), rel=2e-3)
 
 
 def test_a_sealed_lid_carries_suction_and_a_vented_one_none():

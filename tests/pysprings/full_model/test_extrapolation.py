@@ -14,11 +14,12 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from pysprings import Scene, predict, predict_batch
+from pysprings.core.errors import RunIncomplete
 from pysprings.core.files.storage import read_tree
-from pysprings.full_model.accuracy import extrapolation
+from pysprings.full_model.accuracy import extrapolation, target, two_mesh
 from pysprings.full_model.compute import RunOptions, Sink, compute, run_into
-from pysprings.full_model.run_record import Computed
-from pysprings.results.folder import run_to_folder
+from pysprings.full_model.run_record import Computed, RunRecord
+from pysprings.results.folder import run_to_folder, run_to_target
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
@@ -56,11 +57,26 @@ def test_what_is_linear_in_the_reactions_is_kept() -> None:
     np.testing.assert_array_equal(pull["normal_effective_stress"], own["pull"].dataset["normal_effective_stress"])
 
 
-def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_warning() -> None:
+def test_the_record_has_the_end_of_the_extrapolated_path() -> None:
+    for name, path in paths_of(found().tree).items():
+        assert found().record.paths[name].end["H"] == float(path["H"][-1])
+
+
+def test_meshes_that_are_close_are_not_extrapolated() -> None:
+    """The coarser mesh of 0.3 is 0.25: the difference would be multiplied by more than two."""
+    close = run_into(None, scene(paths=(PULL,), mesh=SERIES["mesh"] | {"refinement": 0.3}), RunOptions(), Sink())
+    xr.testing.assert_identical(
+        paths_of(close.tree)["pull"].dataset, paths_of(close.tree, of_mesh=True)["pull"].dataset
+    )
+    assert "extrapolated" not in (close.record.error_estimate or {})
+    assert "what extrapolation by order 2 leaves" in two_mesh.words(found().record.error_estimate or {})
+
+
+def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> None:
     record, tree = found().record, found().tree
     assert record.error_estimate is not None
     assert record.error_estimate["extrapolated"]["paths"] == ["pull", "back", "down"]
-    assert [text for text in record.warnings if "path load has the reactions of one mesh: a load drives it" in text]
+    assert [text for text in record.remarks if "path load has the reactions of one mesh: a load drives it" in text]
     xr.testing.assert_identical(paths_of(tree)["load"].dataset, paths_of(tree, of_mesh=True)["load"].dataset)
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
 
@@ -122,3 +138,41 @@ def test_files_have_the_extrapolated_values_and_the_full_model_both(tmp_path: Pa
     assert float(table["H_N"].iloc[-1]) == pytest.approx(float(better["H"][-1]), rel=1e-9)
     springs = paths_of(read_tree(tmp_path / "out" / "springs.nc"))["pull"]
     np.testing.assert_array_equal(springs["p"], better["p"])
+
+
+def runs_to(out: Path, word: str, **given: Any) -> dict[str, Any]:
+    """Return what run.json has on a target; a target that is missed is raised."""
+    small = scene(paths=({**PULL, "lateral_displacement": 1e-3},))
+    run_to_target(target.start(small, word).replace(mesh={"refinement": 0.5}), out, word, **given)
+    record = RunRecord.read(out)
+    assert record is not None and record.target_error is not None
+    return record.target_error
+
+
+def test_runs_to_a_target_refine_until_their_estimate_is_within_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first run of half the cells misses 2 % of p-y; the folder has the last one."""
+    monkeypatch.setitem(target.START, "2%", "coarse")
+    noted = runs_to(tmp_path / "out", "2%")
+    sizes, errors = ([each[key] for each in noted["runs"]] for key in ("refinement", "py_rms"))
+    assert noted["missed"] is None and len(sizes) > 1 and sizes[0] == 0.5
+    assert sizes == sorted(set(sizes)) and errors[0] > 2.0 >= errors[-1]
+    record = RunRecord.read(tmp_path / "out")
+    assert record is not None and f"refinement = {sizes[-1]:g}" in record.scene_toml
+
+
+def test_a_target_is_missed_where_the_budget_is_spent_or_runs_are_used_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(target.START, "0.5%", "coarse")
+    with pytest.raises(RunIncomplete, match=r"--target-error 0.5%: .* of the budget 0 s are left"):
+        runs_to(tmp_path / "out", "0.5%", budget=1e-9)
+    record = RunRecord.read(tmp_path / "out")
+    assert record is not None and record.complete and record.target_error is not None
+    assert len(record.target_error["runs"]) == 1 and "the budget" in record.target_error["missed"]
+    monkeypatch.setattr(target, "ATTEMPTS", 2)
+    with pytest.raises(RunIncomplete, match="2 meshes were tried"):
+        runs_to(tmp_path / "out", "0.5%")
+    record = RunRecord.read(tmp_path / "out")
+    assert record is not None and len((record.target_error or {})["runs"]) == 2

@@ -358,14 +358,6 @@ def test_the_picture_in_the_docs_is_the_current_sketch() -> None:
     assert file.read_text(encoding="utf-8") == axes.axes_svg(), "run: python -m pysprings.results.axes docs/axes.svg"
 
 
-def test_text_sketch_fits_a_page_and_states_the_signs() -> None:
-    lines = axes.AXES_ASCII.splitlines()
-    assert max(map(len, lines)) <= 110
-    assert axes.AXES_ASCII.isascii()
-    assert re.search(r"M = H\*h", axes.AXES_ASCII)
-    assert "M = -(sum p z dz + L H_tip) + sum m dz + M_tip + M_lid" in axes.AXES_ASCII
-
-
 def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.DataTree) -> None:
     table = spring_tables(springs)[0]
     path = on_slices(springs["paths/pull"].to_dataset())
