@@ -33,7 +33,7 @@ _NOTHING = 1.0  # N/m3, penalty of the tip
 # Loads: what is imposed, over (u, w, rotation), and the pattern of the force that imposes it, by the depth L of the tip
 LOADS = {
     "NcV": ((0.0, 1.0, 0.0), lambda tip: (0.0, 1.0, 0.0)),
-    "NcH": ((1.0, 0.0, 0.0), lambda tip: (1.0, 0.0, tip)),
+    "NcH": ((1.0, 0.0, 0.0), lambda tip: (1.0, 0.0, -tip)),
     "NcM": ((0.0, 0.0, 1.0), lambda tip: (0.0, 0.0, 1.0)),
     "H, mudline": ((1.0, 0.0, 0.0), lambda tip: (1.0, 0.0, 0.0)),
 }
