@@ -23,6 +23,7 @@ MARK = f"<!-- Made by `make pages` from version {__version__} of the program. Do
 GROUP_TITLES = {
     "result_root": "full_model.nc, root",
     "result_path": "full_model.nc, paths/NAME",
+    "extrapolated": "full_model.nc, paths/NAME/extrapolated",
     "space_path": "full_model.nc, space/NAME",
     "section": "full_model.nc, section",
     "volume": "full_model.nc, volume",

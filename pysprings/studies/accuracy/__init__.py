@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""`pysprings accuracy`: runs of a scene by setting, their errors and costs, table, picture and presets."""
+"""`pysprings accuracy`: runs of a scene by setting, their errors and costs, table and picture."""
