@@ -28,6 +28,7 @@ from fe_engine.compiled import njit
 from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
 from fe_engine.soil.law import PLASTIC_STRAIN, SoilLaw, rows
+from fe_engine.soil.plasol import bracketed
 
 PARAMETERS = ("bulk", "shear", "compression", "direct_shear", "extension")
 BULK, SHEAR, COMPRESSION, DIRECT_SHEAR, EXTENSION = range(len(PARAMETERS))
@@ -138,7 +139,7 @@ def _closest(one, two, first, others):
         if abs(g) <= _TIGHT or high - low <= _TIGHT * high:
             return length, OK
         step = length - g * 2.0 * s * math.sqrt(s) / slope  # Newton on g: dg/dL = dS/dL/(2 S^(3/2))
-        length = step if low < step < high else 0.5 * (low + high)
+        length = bracketed(step, low, high)
     return length, OK if abs(g) <= 1.0e-9 else LAW_NOT_CONVERGED
 
 

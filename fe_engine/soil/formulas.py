@@ -53,6 +53,11 @@ def turn(b: float, cos3: float, sin3: float) -> tuple[float, float]:
     return 3.0 * EXPONENT * b * sin3 / along, 9.0 * EXPONENT * b * (cos3 + b) / (along * along)
 
 
+def bracketed(step: float, low: float, high: float) -> float:
+    """Return a Newton step; the middle of its bracket where it leaves it."""
+    return step if low < step < high else 0.5 * (low + high)
+
+
 def dilatancy_index(density: float, crushing: float, pressure: float) -> float:
     """Return I_R of a relative density and Q at a mean effective stress in Pa, compression positive."""
     plain = density * (crushing - math.log(1.0e-3 * max(pressure, LEAST_PRESSURE))) - 1.0  # Bolton 1986

@@ -61,6 +61,7 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 _slope, _cohesion = lean(formulas.cone_slope), lean(formulas.cone_cohesion)
+bracketed = lean(formulas.bracketed)
 
 
 @lean
@@ -114,7 +115,7 @@ def multiplier(p, kappa_old, first, second):
         if abs(f) <= 1.0e-14 * scale or high - low <= 1.0e-16 * high:
             return dl, OK
         step = dl - f / slope if slope < 0.0 else low  # Newton, bisection where it leaves the bracket
-        dl = step if low < step < high else 0.5 * (low + high)
+        dl = bracketed(step, low, high)
     return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 

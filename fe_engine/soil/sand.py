@@ -36,7 +36,7 @@ from fe_engine.soil import formulas
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
 from fe_engine.soil.law import SoilLaw, rows
 from fe_engine.soil.lode import lode, section, shape
-from fe_engine.soil.plasol import APEX_STIFFNESS, HISTORY, KAPPA, MAX_ITERATIONS, second_invariant
+from fe_engine.soil.plasol import APEX_STIFFNESS, HISTORY, KAPPA, MAX_ITERATIONS, bracketed, second_invariant
 
 PARAMETERS = (
     "bulk", "shear", "phi_c", "density", "crushing", "exponent", "scale", "fade", "contraction", "kappa_0",
@@ -130,7 +130,7 @@ def _multiplier(p, most, kappa_old, trial):
         if abs(f) <= 1.0e-14 * scale or high - low <= 1.0e-16 * high:
             return dl, OK
         step = dl - f / slope if slope < 0.0 else low  # Newton, bisection where it leaves the bracket
-        dl = step if low < step < high else 0.5 * (low + high)
+        dl = bracketed(step, low, high)
     return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 

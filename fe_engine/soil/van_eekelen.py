@@ -47,7 +47,7 @@ from fe_engine.soil.law import SoilLaw
 from fe_engine.soil.lode import lode, rotated, section, shape, shape_of_slope, turn_of
 from fe_engine.soil.plasol import BULK, COHESION, KAPPA, M_PSI, PHI_F, SHEAR, mobilised, return_to_apex, strength
 
-cone_slope, second_invariant = plasol.cone_slope, plasol.second_invariant
+cone_slope, second_invariant, bracketed = plasol.cone_slope, plasol.second_invariant, plasol.bracketed
 _SQRT3, _SQRT6 = math.sqrt(3.0), math.sqrt(6.0)
 MAX_ITERATIONS = 80
 
@@ -104,7 +104,7 @@ def _deflection(trial, b_psi, w, delta):
         else:
             high = delta
         step = delta - excess / (1.0 + w * slope / (1.0 + (w * turn) ** 2))  # Newton; dT/d(delta) = -dT/d(theta)
-        new = step if low < step < high else 0.5 * (low + high)
+        new = bracketed(step, low, high)
         if abs(new - delta) <= 1.0e-15 * abs(new):
             return new
         delta = new
@@ -168,7 +168,7 @@ def solve(p, b_psi, kappa_old, trial):
             return at, OK
         slope = _change(p, trial, at, 1.0, 0.0, 0.0, 0.0)[3]  # df/dw
         step = at.w - at.f / slope if slope < 0.0 else low
-        w = step if low < step < high else 0.5 * (low + high)
+        w = bracketed(step, low, high)
         at = _evaluate(p, b_psi, kappa_old, trial, w, at.delta)
     return at, OK if abs(at.f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 

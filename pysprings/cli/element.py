@@ -133,7 +133,7 @@ def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) ->
     if file is None:
         return ()
     if len(stresses) > 1:
-        refuse("--stress", "tests of --data have their own stress: give one at most, of a table without it")
+        refuse("--stress", "--data gives the stress of each test: one at most, for a table without a column of it")
     return tuple(read_tests(file, kind, stresses[0] if stresses else None))
 
 
@@ -158,6 +158,9 @@ def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, .
 
 def _print(outcome: Outcome) -> None:
     print_table(Table.of(filled(_ROWS, outcome.rows), outcome.rows))
+    stratum = outcome.request.stratum
+    if not (stratum.exponent or stratum.total_stress):
+        print("\nG is that of the layer at every stress: no key makes it follow the stress")
     fit = outcome.fit
     if fit is None:
         return

@@ -4,7 +4,8 @@
 Components are xx, yy, zz, xy, yz, zx with engineering shear strains, z the axis of the specimen, tension positive.
 Strains of the law have a direction for each test; where the specimen drains, stresses of some components stay what
 they were, and their strains follow by Newton's method with the law's consistent tangent and a line search on the
-residual. An increment that fails is halved; a test whose increments fail at a thousandth ends there, and says so.
+residual. An increment that fails is halved; a test whose increments fail at a thousandth ends there, with the
+reason in `Curve.stopped`.
 
 Undrained is constant volume of the skeleton; the pore pressure is what the held total stress has more than the
 effective one. A layer of clay in total stress is undrained by its law: its specimen is held as a drained one is.

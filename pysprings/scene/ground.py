@@ -132,7 +132,7 @@ class Stratum:
         elif SOIL_LAWS[self.law].yields:
             row["friction_angle_deg"] = math.degrees(value[SOIL_LAWS[self.law].friction])
             row["cohesion_Pa"] = value.get("cohesion", 0.0)
-            row |= {key: value[key] for key in ("relative_density",) if key in value}
+        row |= SOIL_LAWS[self.law].shown(self, z)
         if self.stiffness_changes:
             row["stiffness_exponent"] = self.exponent
             row["degradation_strain"] = value.get("degradation_strain")

@@ -13,8 +13,11 @@ from numpy.typing import NDArray
 
 from pysprings.core.tables import ENDINGS, Column, Sheet, Table, is_table, one_table, sheets_of, split
 from pysprings.core.tables.headings import TEXT
+from pysprings.core.units import quoted
+from pysprings.core.words import ESTIMATES
 from pysprings.scene.profile_table import EPS50, NAMES, TOTAL, VELOCITY, WATER, columns, row_ends
 from pysprings.scene.sections import BY_LAYER
+from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
 from pysprings.site.sounding import Sounding, sounding
 
@@ -34,7 +37,6 @@ _TEST_COLUMNS = (
     Column("location", TEXT, ("location identifier", "loca id", "borehole", "hole", "cpt", "bh")),
 )  # fmt: skip
 _PEAKS = ("su peak q", "su uu", "su dss", "su cauc", "cu peak", "failure shear stress", "peak shear stress")
-MEASURED = BY_LAYER  # what points and layers may give
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,12 @@ class Points:
     place: str
     depth: Array
     values: dict[str, Array]
+
+    def down_to(self, depth: float) -> Points | None:
+        """Return the points down to a depth (m); None without any."""
+        own = self.depth <= depth
+        values = {key: each[own] for key, each in self.values.items()}
+        return Points(self.place, self.depth[own], values) if own.any() else None
 
 
 @dataclass(frozen=True)
@@ -58,6 +66,14 @@ class Bed:
     values: dict[str, tuple[float, float]]
     law: str = ""
 
+    def down_to(self, depth: float) -> Bed:
+        """Return the layer down to a depth (m), with the values that it has there."""
+        if depth >= self.bottom:
+            return self
+        share = (depth - self.top) / (self.bottom - self.top)
+        values = {key: (first, first + share * (last - first)) for key, (first, last) in self.values.items()}
+        return replace(self, bottom=depth, values=values)
+
 
 @dataclass
 class Site:
@@ -66,11 +82,14 @@ class Site:
     soundings: list[Sounding] = field(default_factory=list)
     beds: list[Bed] = field(default_factory=list)
     points: Points | None = None
+    notes: list[str] = field(default_factory=list)
 
     def down_to(self, depth: float) -> Site:
-        """Return what lies above a depth (m): layers end there."""
-        beds = [replace(bed, bottom=min(bed.bottom, depth)) for bed in self.beds if bed.top < depth]
-        return replace(self, beds=beds)
+        """Return what lies above a depth (m): layers end there, with the values that they have there."""
+        return replace(
+            self, beds=[bed.down_to(depth) for bed in self.beds if bed.top < depth],
+            points=self.points and self.points.down_to(depth),
+        )  # fmt: skip
 
 
 def read_site(files: Sequence[Path]) -> Site:
@@ -118,6 +137,8 @@ def _add_format(site: Site, path: Path, raw: bytes) -> None:
             raise refused(path, "holds no CPT, no strength or density of a laboratory, and no layers of one borehole")
         site.soundings += tests
         site.points = _joined(site.points, Points(str(path), depth, values)) if values else site.points
+        if "undrained_shear_strength" in values:
+            site.notes.append("su of TRIT_CU: unconsolidated undrained triaxial tests (UU), of total stress")
         site.beds += [Bed(str(path), line, top, bottom, name or "layer", {})
                       for line, top, bottom, name in layers]  # fmt: skip
     elif start.startswith("<"):
@@ -148,6 +169,9 @@ def _table(path: Path, columns: Sequence[Column], what: str, sheets: list[Sheet]
     table = one_table(path, columns, what, lenient=True, sheets=sheets)
     if not len(table):
         raise refused(path, "has no rows below its headings", table.head_line)
+    if ranged := [table.key(name) for name in table.columns if {*name.split()} & {*ESTIMATES}]:
+        text = f"has a range already ({quoted(ranged[0])}): name it in soil.profile, or give one value for each"
+        raise refused(path, text, table.head_line)
     return table
 
 
@@ -204,7 +228,7 @@ def _values(table: Table, end: str = "") -> dict[str, Array]:
         there = table.numbers(f"{key} {end}", most=False) if end else own
         return np.where(np.isfinite(there), there, own)
 
-    values = {key: column(key) for key in MEASURED}
+    values = {key: column(key) for key in BY_LAYER}
     total, half, speed = column(TOTAL), column(EPS50), column(VELOCITY)
     others = {
         "undrained_shear_strength": table.numbers("su peak", most=False), "effective_unit_weight": total - WATER,
@@ -225,6 +249,9 @@ def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
         table.fault(k, "bottom", "is blank, or not below the top of the layer")
     table.faults.stop()
     names, laws = table.texts("name"), table.texts("law")
+    for k in [k for k, law in enumerate(laws) if law and law not in SOIL_LAWS]:
+        table.fault(k, "law", f"{quoted(laws[k])} is not one of {', '.join(SOIL_LAWS)}")
+    table.faults.stop()
     return [
         Bed(table.place, int(table.lines[k]), float(tops[k]), float(bottoms[k]), names[k] or f"layer {k + 1}",
             {key: (float(first[k]), float(lasts.get(key, first)[k])) for key, first in firsts.items()

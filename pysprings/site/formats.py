@@ -145,10 +145,10 @@ _PRESSURE, _ANGLE, _WEIGHT = (
     {"deg": np.pi / 180},
     {"kn/m3": 1e3, "mg/m3": 9.81e3},
 )
-# group, heading of the value, key of a scene, factors to SI, what is taken off: the weight of water
+# group, heading of the value, key of a scene, factors to SI, what is taken off: the weight of water. Of the AGS 4
+# dictionary: TRIT is triaxial tests of total stress (UU), TREG those of effective stress, with phi alone as strength
 _AGS_VALUES = (
     ("TRIT", "TRIT_CU", "undrained_shear_strength", _PRESSURE, 0.0),
-    ("TREG", "TREG_CU", "undrained_shear_strength", _PRESSURE, 0.0),
     ("TREG", "TREG_PHI", "friction_angle_final", _ANGLE, 0.0),
     ("LDEN", "LDEN_BDEN", "effective_unit_weight", _WEIGHT, WATER),
 )  # fmt: skip

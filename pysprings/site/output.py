@@ -19,10 +19,6 @@ from pysprings.scene.profile_table import field_of
 from pysprings.scene.sections import BY_LAYER
 from pysprings.site.proposal import Proposal, Unit, Value
 
-# keys that the table does not have beside a law: strength by density, or by angles
-_OTHER = {"sand": ("friction_angle_final", "dilation_angle")}
-_OF_OTHERS = ("relative_density", "critical_friction_angle")
-
 
 @dataclass(frozen=True)
 class Shown:
@@ -104,8 +100,11 @@ def remarks(proposal: Proposal) -> list[str]:
     """Return what was assumed, what is outside its range, and what is missing, a sentence each."""
     out = list(proposal.notes)
     angles = [unit.values["friction_angle_final"] for unit in proposal.units if "friction_angle_final" in unit.values]
-    if any(not each.sources[0].startswith("given") for each in angles):
-        out.append("phi of correlations are peak angles of triaxial compression: law sand has its own, and softens")
+    if not all(each.measured for each in angles):
+        out.append("phi of correlations are peak angles of triaxial compression, without softening")
+    if any(unit.law == "sand" for unit in proposal.units):
+        out.append("law sand computes phi, psi, G_0 and gamma_0.7 from D_r and the stress: those of correlations are "
+                   "shown beside it, and not written")  # fmt: skip
     for k, unit in enumerate(proposal.units, start=1):
         marks = [f"{shown.symbol} outside the range of {', '.join(value.outside)}"
                  for _, shown, value in _of(unit) if value.outside]  # fmt: skip
@@ -132,16 +131,10 @@ def document(proposal: Proposal) -> dict[str, Any]:
     return {**about, "layers": layers, "notes": proposal.notes}
 
 
-def _written(unit: Unit) -> dict[str, Value]:
-    """Return the values that the law of a layer has."""
-    others = _OTHER.get(unit.law, _OF_OTHERS)
-    return {key: value for key, value in unit.values.items() if key not in others}
-
-
 def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
     """Return the rows of the table of `soil.profile`, with remarks behind a # below it."""
     heads: list[tuple[str, str, int, int]] = []  # heading, key, estimate, end
-    values = [_written(unit) for unit in proposal.units]
+    values = [unit.written for unit in proposal.units]
     for key, shown in VALUES.items():
         own = [each[key].lines for each in values if key in each]
         if not own:
@@ -158,7 +151,8 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
                for _, key, k, end in heads]  # fmt: skip
         table.append([unit.top, unit.bottom, unit.name, unit.law, *row])
     sources = [f"layer {k}, {shown.symbol}: {'; '.join(value.sources)}"
-               for k, unit in enumerate(proposal.units, start=1) for _, shown, value in _of(unit)]  # fmt: skip
+               for k, unit in enumerate(proposal.units, start=1) for key, shown, value in _of(unit)
+               if key in unit.written]  # fmt: skip
     head = f"proposed by pysprings ground from {', '.join(files)}: to be read and edited before a run"
     return [*table, *([f"# {one_line(text)}"] for text in [head, *sources, *remarks(proposal)])]
 

@@ -66,17 +66,22 @@ def _index(axes: Axes, proposal: Proposal) -> None:
 
 
 def _value(axes: Axes, proposal: Proposal, key: str) -> None:
-    """Draw the rows of each correlation as dots, measured points as rings, and the three lines of each layer."""
+    """Draw the rows of each correlation and measured points as dots, and the three lines of each layer.
+
+    Lines are thin where the law of the layer does not use the value.
+    """
     shown = VALUES[key]
     for unit in proposal.units:
         if (value := unit.values.get(key)) is None:
             continue
         _dots(axes, proposal, unit, key, value)
+        wide = 1.8 if key in unit.written else 0.6
         for (label, colour, style), line in zip(_LINES, value.lines, strict=True):
-            axes.plot(line * shown.factor, [unit.top, unit.bottom], style, color=colour, linewidth=1.6, label=label)
+            own = label if key in unit.written else "thin: not used by the law" if label == "best" else None
+            axes.plot(line * shown.factor, [unit.top, unit.bottom], style, color=colour, linewidth=wide, label=own)
     points = proposal.points
     if points is not None and key in points.values:
-        axes.plot(points.values[key] * shown.factor, points.depth, "o", color=ORANGE, markerfacecolor="none",
+        axes.plot(points.values[key] * shown.factor, points.depth, "o", color=ORANGE, markeredgecolor=INK,
                   markersize=5, label="measured", zorder=4)  # fmt: skip
     low, high = axes.get_xlim()
     axes.set_xlim(min(low, 0.0) if key in LINEAR else low, high)
@@ -92,5 +97,5 @@ def _dots(axes: Axes, proposal: Proposal, unit: Unit, key: str, value: Value) ->
         rows = rows.with_density(float(unit.values["relative_density"].lines[1].mean()))
     for each in SAND if unit.kind == "sand" else clay():
         if each.gives == key and each.name in value.sources:
-            axes.plot(each.of(rows) * VALUES[key].factor, proposal.depth[own], ".", color=GREY, alpha=0.35,
-                      markersize=1.5, label="correlations, row by row")  # fmt: skip
+            axes.plot(each.of(rows) * VALUES[key].factor, proposal.depth[own], ".", color=GREY, alpha=0.6,
+                      markersize=3, label="correlations, row by row")  # fmt: skip

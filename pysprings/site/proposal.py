@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.scene.profile_table import WATER
-from pysprings.scene.soils import STIFFNESSES
+from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.site.correlations import CONE_FACTORS, CRITICAL, SAND, Correlation, Rows, clay, dilation
 from pysprings.site.files import Bed, Points, Site
 from pysprings.site.layering import boundaries
@@ -33,10 +33,10 @@ LINEAR = (
     "cohesion",
 )  # by depth; the others are means of a layer
 SOFTER = ("strain_at_half_strength",)  # where the greatest value makes the softest ground
-STRENGTH = {"sand": "friction_angle_final", "clay": "undrained_shear_strength"}
 WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
-_MEASURED = ("shear_modulus", "effective_unit_weight", "relative_density", *WITH_STRAIN)  # of points, beside strength
+# of points, not used: stiffnesses of the strains of the load, and values that differ by decades
+_NOT_OF_POINTS = {*STIFFNESSES, "overconsolidation_ratio", "hydraulic_conductivity"} - {"shear_modulus"}
 MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
 MOST_NAMED = 60  # characters of a name
 FEWEST_POINTS = 3  # in a layer, for a range
@@ -46,11 +46,15 @@ _CAPITALS = re.compile(r"\b[A-Z]{3,}\b")  # of the principal soil in description
 
 @dataclass(frozen=True)
 class Value:
-    """A value of a layer: low, best, high (3,) at top and bottom (2,) in SI, where from, what is outside its range."""
+    """A value of a layer: low, best, high (3,) at top and bottom (2,) in SI, where from, what is outside its range.
+
+    ``measured`` : a file gives it, no correlation.
+    """
 
     lines: Array
     sources: tuple[str, ...]
     outside: tuple[str, ...] = ()
+    measured: bool = False
 
 
 @dataclass
@@ -66,6 +70,17 @@ class Unit:
     law: str = ""
     values: dict[str, Value] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
+
+    @property
+    def written(self) -> dict[str, Value]:
+        """Values that its law uses; where the law gives the stiffness, that of a file alone."""
+        law = SOIL_LAWS[self.law]
+        others = {*LAW_KEYS} - {*law.keys, *law.unused}
+        by_law = {"shear_modulus", "degradation_strain"} if law.gives_stiffness else set()
+        return {
+            key: value for key, value in self.values.items()
+            if key not in others and (value.measured or key not in by_law)
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -113,11 +128,18 @@ def propose(site: Site, options: Options) -> Proposal:
         depth, rows = _ends_as_rows(units, site)
     for unit in units:
         _fill(unit, rows, depth, site, options)
-    if not any(set(unit.values) & {*STRENGTH.values(), *STIFFNESSES} for unit in units):
+    notes += [*site.notes, *_below(site.points, units)]
+    if not any(set(unit.values) & {"friction_angle_final", "undrained_shear_strength", *STIFFNESSES} for unit in units):
         places = [each.place for each in (*site.beds, site.points) if each]
         message = "gives neither strength nor stiffness nor relative density: add columns su, phi, Dr, Gmax or E"
         raise refused(None, message, places[0])
     return Proposal(units, chosen, rows, depth, site.points, [*notes, *_cone_factor(rows, depth, units, site)])
+
+
+def _below(points: Points | None, units: Sequence[Unit]) -> list[str]:
+    """Return a sentence on points below the last layer."""
+    count = 0 if points is None else int((points.depth > units[-1].bottom).sum())
+    return [f"{count} points below the last layer are not used"] if count else []
 
 
 def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
@@ -232,36 +254,38 @@ def _ends_as_rows(units: Sequence[Unit], site: Site) -> tuple[Array, Rows]:
 
 
 def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) -> None:
-    """Put values into a layer: given ones, measured ones, those of correlations."""
+    """Put values into a layer: given ones, measured ones, those of correlations; choose its law."""
     own = _inside(unit, depth)
     part = rows.part(own)
     unit.rows = int(np.isfinite(part.cone).sum())
     unit.index = float(np.nanmedian(part.index)) if np.isfinite(part.index).any() else np.nan
     if TRANSITION[0] < unit.index < TRANSITION[1]:
         unit.remarks.append(f"I_c {unit.index:.2f}: partially drained; neither drained sand nor undrained clay is sure")
-    ends = np.array([unit.top, unit.bottom])
+    ends, correlations = np.array([unit.top, unit.bottom]), SAND if unit.kind == "sand" else clay(options.cone_factors)
     _given(unit, site.beds)
     if site.points is not None:
-        _measured(unit, site.points, ends, unit.rows > 0)
+        _measured(unit, site.points, ends, {each.gives for each in correlations} if unit.rows else set())
     if own.any():
-        _correlated(unit, part, depth[own], ends, SAND if unit.kind == "sand" else clay(options.cone_factors))
-    _derived(unit)
-    missing = [key for key in (STRENGTH[unit.kind], "effective_unit_weight") if key not in unit.values]
-    if not unit.law:
-        unit.law = "tresca" if unit.kind == "clay" else "sand" if _by_density(unit) else "van-eekelen"
-    if unit.law == "sand":
-        at_rest = np.full((3, 2), 1.0 - np.sin(CRITICAL))
-        unit.values["K0"] = Value(at_rest, ("1 - sin phi_crit (Jaky 1944), normally consolidated",))
-    if missing := missing + ["shear_modulus"] * set(unit.values).isdisjoint(STIFFNESSES):
-        unit.remarks.append(f"nothing gives {', '.join(missing)}: fill it in")
-
-
-def _by_density(unit: Unit) -> bool:
-    """Return whether correlations alone give the friction angle of a layer whose relative density is known."""
+        _correlated(unit, part, depth[own], ends, correlations)
     phi = unit.values.get("friction_angle_final")
-    return "relative_density" in unit.values and (
-        phi is None or not phi.sources[0].startswith(("given", *"0123456789"))
-    )
+    by_density = "relative_density" in unit.values and not (phi and phi.measured)
+    unit.law = unit.law or ("tresca" if unit.kind == "clay" else "sand" if by_density else "van-eekelen")
+    _derived(unit)
+    _remark(unit)
+
+
+def _remark(unit: Unit) -> None:
+    """Add what a file gives and the law does not use, and what is missing."""
+    law, written = SOIL_LAWS[unit.law], unit.written
+    for key, value in unit.values.items():
+        if value.measured and key not in written:
+            unit.remarks.append(f"{key} ({value.sources[0]}) is not written: law {unit.law} does not use it")
+    if law.gives_stiffness and "shear_modulus" in written:
+        unit.remarks.append("shear_modulus of a file stays as it is: G does not follow the stress")
+    missing = [key for key in law.needs if key not in {*written, *law.defaults}]
+    missing += ["shear_modulus"] * (not law.gives_stiffness and written.keys().isdisjoint(STIFFNESSES))
+    if missing:
+        unit.remarks.append(f"nothing gives {', '.join(missing)}: fill it in")
 
 
 def _given(unit: Unit, beds: Sequence[Bed]) -> None:
@@ -269,20 +293,24 @@ def _given(unit: Unit, beds: Sequence[Bed]) -> None:
         if (bed.top, bed.bottom) == (unit.top, unit.bottom):
             unit.law = bed.law
             for key, line in bed.values.items():
-                unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",))
+                unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",), measured=True)
 
 
-def _measured(unit: Unit, points: Points, ends: Array, beside: bool) -> None:
+def _measured(unit: Unit, points: Points, ends: Array, correlated: set[str]) -> None:
     """Put the line through points into a layer, low and high at the tenth and ninetieth per cent of their ratios to it.
 
-    Fewer points than `FEWEST_POINTS` count only where no test stands beside them.
+    Fewer points than `FEWEST_POINTS` count only for keys that are not ``correlated`` with a test beside them.
     """
     for key, values in points.values.items():
         own = _inside(unit, points.depth) & np.isfinite(values)
         count = int(own.sum())
-        if not count or key in unit.values or key not in (STRENGTH[unit.kind], *_MEASURED):
+        if not count:
             continue
-        if count < FEWEST_POINTS and beside:
+        if key in unit.values or key in _NOT_OF_POINTS:
+            why = "the table of layers gives it" if key in unit.values else "it counts in a table of layers alone"
+            unit.remarks.append(f"{count} measured {key}: not used, {why}")
+            continue
+        if count < FEWEST_POINTS and key in correlated:
             unit.remarks.append(f"{count} measured {key}: too few for a line, drawn alone")
             continue
         best = _line(points.depth[own], values[own], ends, key)
@@ -292,7 +320,7 @@ def _measured(unit: Unit, points: Points, ends: Array, beside: bool) -> None:
         if count < FEWEST_POINTS:
             unit.remarks.append(f"{count} measured {key}: no range")
         low_first = sorted(shares, reverse=key in SOFTER)
-        unit.values[key] = Value(np.outer(low_first, best), (f"{count} measured values",))
+        unit.values[key] = Value(np.outer(low_first, best), (f"{count} measured values",), measured=True)
 
 
 def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations: Sequence[Correlation]) -> None:
@@ -353,12 +381,15 @@ def _line(depth: Array, values: Array, ends: Array, key: str) -> Array:
 
 
 def _derived(unit: Unit) -> None:
-    """Put what follows from the friction angle of sand into a layer: dilation, K0."""
-    phi = unit.values.get("friction_angle_final")
+    """Put what follows from friction angles of sand into a layer: dilation, K0; a value of a file stays."""
+    name, phi = "phi", unit.values.get("friction_angle_final")
     if unit.kind == "sand" and phi is not None:
         unit.values.setdefault("dilation_angle", Value(dilation(phi.lines), ("Bolton 1986, from phi",)))
+    if unit.law == "sand":
+        name, phi = "phi_crit", unit.values.get("critical_friction_angle", Value(np.full((3, 2), CRITICAL), ()))
+    if unit.kind == "sand" and phi is not None:
         at_rest = np.full((3, 2), 1.0 - np.sin(phi.lines[1].mean()))
-        unit.values.setdefault("K0", Value(at_rest, ("1 - sin phi (Jaky 1944), normally consolidated",)))
+        unit.values.setdefault("K0", Value(at_rest, (f"1 - sin {name} (Jaky 1944), normally consolidated",)))
 
 
 def _cone_factor(rows: Rows, depth: Array, units: Sequence[Unit], site: Site) -> list[str]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,7 +20,7 @@ Soil = Any
 """Values of a soil in SI by the keys of a scene: numbers, or arrays of equal shape (..., ) where a law packs them."""
 
 
-class SoilLaw:
+class SoilLaw(ABC):
     """A soil law of the scene; the engine is imported where it is asked for, since checks of a scene do without.
 
     Attributes
@@ -73,6 +74,10 @@ class SoilLaw:
         """Return values of keys that follow from others in a layer that does not give them."""
         return {}
 
+    def shown(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
+        """Return what `pysprings check` shows of a layer at a depth (m) beside its values, by column."""
+        return {}
+
     def word(self, stratum: Stratum) -> str:
         """Return the name of the engine's law of a layer."""
         return self.name
@@ -81,9 +86,9 @@ class SoilLaw:
         """Return the engine's law of a layer."""
         return engine_law(self.word(stratum))
 
+    @abstractmethod
     def pack(self, stratum: Stratum, soil: Soil) -> np.ndarray:
         """Return the packed parameters (n,) of the engine's law, or (..., n) where the values of the layer vary."""
-        raise NotImplementedError
 
 
 def engine_law(name: str) -> EngineLaw:

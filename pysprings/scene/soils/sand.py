@@ -69,7 +69,9 @@ class Sand(SoilLaw):
             angle, peak = math.degrees(math.asin(sine)), math.degrees(most)
             text = f"{soil.K0:g} mobilises {angle:.4g} deg of friction, of {peak:.3g} deg at the peak: too much"
             yield Clash((("soil", "K0"), ("soil", "relative_density")), text)
-        # the largest share of G that contraction takes at constant volume, 9 (K/G) a m_psi over x: fe_engine.soil.sand
+        # the largest share of G that contraction takes at constant volume, 9 (K/G) a m_psi over x: fe_engine.soil.sand,
+        # at the largest friction angle that a falling p' gives
+        most = soil.critical_friction_angle + formulas.PER_INDEX * formulas.MOST_INDEX
         share = 0.535 * soil.contraction / math.sqrt(3.0) * formulas.cone_slope(math.sin(most))
         lost = 2.0 * (1.0 + soil.poisson_ratio) / (1.0 - 2.0 * soil.poisson_ratio) * share
         if lost > MOST_CONTRACTION:
@@ -90,6 +92,12 @@ class Sand(SoilLaw):
         density = float(stratum.value("relative_density", np.array(0.5 * (stratum.top + stratum.bottom))))
         values = {"degradation_strain": _reference(density), "mobilisation_strain": float(_scale(density))}
         return {name: value for name, value in values.items() if name not in stratum.values}
+
+    def shown(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
+        density, critical = (float(stratum.value(name, depth)) for name in ("relative_density", self.friction))
+        index = formulas.dilatancy_index(density, CRUSHING, float(stratum.mean_stress(depth)))
+        peak = math.degrees(critical + formulas.PER_INDEX * index)
+        return {"relative_density": density, "dilatancy_index": index, "peak_friction_angle_deg": peak}
 
     def word(self, stratum: Stratum) -> str:
         return "following"

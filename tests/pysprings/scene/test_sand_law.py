@@ -72,6 +72,15 @@ def test_check_lists_what_follows_from_the_density() -> None:
     assert found["soil.shear_modulus"] == "by density and stress"
 
 
+def test_check_shows_the_peak_friction_angle_at_the_initial_stress() -> None:
+    """Bolton (1986): I_R = 0.5 (10 - ln 100) - 1 = 1.697 at p' 100 kPa, phi = 33 deg + 3 I_R; I_R is 4 at most."""
+    text = TEXT.replace("0.7", "0.5").replace('"auto"', "1.0").replace("5 kPa", "100 kPa")
+    row = parse_scene(text).ground.profile()[0]
+    assert row["dilatancy_index"] == pytest.approx(1.697, abs=2e-3)
+    assert (row["friction_angle_deg"], row["peak_friction_angle_deg"]) == pytest.approx((33.0, 38.09), abs=0.01)
+    assert parse_scene(TEXT).ground.profile()[0]["dilatancy_index"] == pytest.approx(4.0, abs=5e-3)
+
+
 def test_the_density_may_vary_with_depth_and_layers_may_differ() -> None:
     text = TEXT.replace("relative_density = 0.7", "") + (
         '[[soil.layer]]\ntop = "0 m"\nrelative_density = { top = 0.4, bottom = 0.8, to = "4 m" }\n'
@@ -94,6 +103,7 @@ def test_the_density_may_vary_with_depth_and_layers_may_differ() -> None:
         ('K0 = "auto"', "K0 = 0.05", "0.05 mobilises 64.79 deg of friction, of 41.3 deg at the peak: too much"),
         ('K0 = "auto"', 'K0 = "auto"\nfriction_angle_final = "35 deg"', 'is not used by law "sand"'),
         ('K0 = "auto"', 'K0 = "auto"\npoisson_ratio = 0.49', "0.4 is unstable with Poisson ratio 0.49: at most 0.0"),
+        ('K0 = "auto"', 'K0 = "auto"\npoisson_ratio = 0.435', "0.4 is unstable with Poisson ratio 0.435: at most 0.3"),
         ('"5 kPa"', '"0 kPa"\neffective_unit_weight = "0 kN/m^3"', "has no strength"),
     ],
 )

@@ -7,9 +7,9 @@ The numbers of groundhog (B. Stuyts, GPL 3) are results of its functions for the
 import numpy as np
 import pytest
 
-from pysprings.site.correlations import SAND, Rows, clay, dilation
+from pysprings.site.correlations import CONE_FACTORS, SAND, Correlation, Rows, clay, dilation
 from pysprings.site.layering import boundaries
-from pysprings.site.sounding import behaviour_index, sounding, stresses, unit_weight
+from pysprings.site.sounding import behaviour_index, sounding, stresses, unit_weight, zone_name
 
 # q_t, f_s [MPa], s_v0, s'_v0 [kPa]
 ROWS = ((10.0, 0.08, 200.0, 100.0), (1.0, 0.03, 120.0, 60.0), (25.0, 0.2, 60.0, 30.0), (5.0, 0.15, 350.0, 180.0))
@@ -21,10 +21,13 @@ def rows(density: float = 0.6) -> Rows:
     return Rows(cone, sleeve, total, effective, 19e3 * same, 2.0 * same, density * same)
 
 
+def named(name: str, gives: str) -> Correlation:
+    (found,) = (each for each in dict.fromkeys((*SAND, *clay())) if each.name.startswith(name) and each.gives == gives)
+    return found
+
+
 def of(name: str, gives: str, density: float = 0.6) -> np.ndarray:
-    return next(each for each in (*SAND, *clay()) if each.name.startswith(name) and each.gives == gives).of(
-        rows(density)
-    )
+    return named(name, gives).of(rows(density))
 
 
 def test_behaviour_index_is_that_of_groundhog() -> None:
@@ -117,3 +120,78 @@ def test_no_more_layers_than_asked_for() -> None:
     net = np.where((depth % 2.0) < 1.0, 8e6, 0.5e6)
     assert len(boundaries(depth, index, net, 9e3 * depth, 50)) == 19
     assert len(boundaries(depth, index, net, 9e3 * depth, 6)) <= 5
+
+
+def every(**changed: float) -> Rows:
+    """Rows of one value each, with some changed: q_t, f_s, s_v0, s'_v0 [Pa], unit weight [N/m3], I_c, D_r."""
+    usual = {"cone": 10e6, "sleeve": 8e4, "total": 2e5, "effective": 1e5, "weight": 19e3, "index": 1.9, "density": 0.5}
+    return Rows(**{name: np.array([value]) for name, value in (usual | changed).items()})
+
+
+@pytest.mark.parametrize(
+    ("gives", "name", "key", "edges"),
+    [
+        ("relative_density", "Jamiolkowski", "effective", (50e3, 400e3)),
+        ("relative_density", "Baldi et al. 1986, NC", "effective", (50e3, 400e3)),
+        ("relative_density", "Baldi et al. 1986, OC", "effective", (50e3, 400e3)),
+        ("effective_unit_weight", "Robertson and Cabal 2010", "weight", (11e3, 23e3)),
+        ("effective_unit_weight", "Mayne", "effective", (10e3, 500e3)),
+        ("effective_unit_weight", "Brinkgreve", "density", (0.1, 1.0)),
+        ("friction_angle_final", "Kulhawy", "cone", (1e6, 100e6)),  # Q 10 to 1000 at s'_v0 100 kPa
+        ("friction_angle_final", "Bolton", "density", (1.0 / (10.0 - np.log(150.0)), 1.0)),  # I_R from 0
+        ("shear_modulus", "Rix", "index", (0.0, 2.05)),
+        ("shear_modulus", "Robertson", "index", (1.0, 4.0)),
+        ("shear_modulus", "Mayne and Rix", "cone", tuple(1e3 * (G / 2.78) ** (1 / 1.335) for G in (0.7e3, 8e5))),
+        ("degradation_strain", "Darendeli 2001, 10", "effective", (0.0, 300e3)),
+        ("undrained_shear_strength", "N_kt 14", "index", (2.6, 9.0)),
+    ],
+)  # fmt: skip
+def test_the_range_of_a_correlation_ends_where_its_source_ends(gives, name, key, edges) -> None:
+    """Ranges of docs/guide/site.md: inside by a thousandth, and outside of it by a thousandth."""
+    found, (low, high) = named(name, gives), edges
+    assert found.inside(every(**{key: low * 1.001})).all() and found.inside(every(**{key: high * 0.999})).all()
+    assert low == 0.0 or not found.inside(every(**{key: low * 0.999})).any()
+    assert high == 9.0 or not found.inside(every(**{key: high * 1.001})).any()
+
+
+def test_constants_of_the_sources() -> None:
+    """Darendeli (2001), clean sand: gamma_r = 0.0474 % (p'/atm)^0.234, G/G_0 = 1/(1 + (gamma/gamma_r)^0.895) = 0.722.
+
+    Matlock (1970): eps50 of 2, 1, 0.5 %, and gamma = 1.5 eps; Bolton's index at p' 100 kPa is that at 150 kPa.
+    """
+    for pressure in (10, 200):
+        strain = 0.0474e-2 * (pressure / 101.325) ** 0.234 * (1.0 / 0.722 - 1.0) ** (1.0 / 0.895)
+        found = of(f"Darendeli 2001, {pressure} kPa", "degradation_strain")
+        assert found == pytest.approx(np.full(4, strain), rel=0.02)
+    for percent, strain in (("2 ", 0.03), ("1 ", 0.015), ("0.5 ", 0.0075)):
+        assert of(f"Matlock 1970, eps50 {percent}", "strain_at_half_strength") == pytest.approx(np.full(4, strain))
+    assert CONE_FACTORS == (10.0, 14.0, 18.0)
+    bolton = np.degrees(of("Bolton", "friction_angle_final", 0.5))  # p' is two thirds of s'_v0: 66.7, 40, 20, 120 kPa
+    assert bolton == pytest.approx(np.full(4, 33.0 + 3.0 * (0.5 * (10.0 - np.log(150.0)) - 1.0)))
+    deep = named("Bolton", "friction_angle_final").of(every(effective=450e3, density=0.5))
+    assert np.degrees(deep) == pytest.approx([33.0 + 3.0 * (0.5 * (10.0 - np.log(300.0)) - 1.0)])
+    assert dilation(np.radians([30.0, 33.0, 45.0])) == pytest.approx([0.0, 0.0, np.arcsin(1.2 / 3.2)])
+
+
+def test_densities_are_held_between_a_twentieth_and_one() -> None:
+    (found,) = (each for each in SAND if each.name.startswith("Jamiolkowski"))
+    assert found.of(every(cone=1e5)) == pytest.approx([0.05]) and found.of(every(cone=90e6)) == pytest.approx([1.0])
+
+
+def test_unit_weight_and_index_at_their_bounds() -> None:
+    """Robertson and Cabal (2010) with R_f 4 %, q_t 2 MPa, and held; exponent 1 of Robertson (2009) at 800 kPa."""
+    cone, sleeve = np.array([2e6, 2e6, 5e4, 99e6]), np.array([8e4, 2e2, 50.0, 3e6])
+    plain = 9810.0 * (0.27 * np.log10([4.0, 0.1]) + 0.36 * np.log10(20.0) + 1.236)
+    assert unit_weight(cone, sleeve) == pytest.approx([*plain, 11e3, 23e3])
+    index = behaviour_index(np.array([4e6, 1e5, -1.0]), np.array([2e5, 1e3, 1.0]), np.array([8e5, 2e3, 1e5]))
+    deep = np.hypot(3.47 - np.log10(40.0 / 8.0), np.log10(5.0) + 1.22)  # Q_tn = q_net/s'_v0
+    shallow = np.hypot(3.47 - np.log10(1.7), np.log10(1.0) + 1.22)  # (p_a/s'_v0)^n held at 1.7
+    assert index == pytest.approx([deep, shallow, np.nan], nan_ok=True)
+
+
+def test_zones_of_robertson() -> None:
+    """Robertson (2009), table of soil behaviour types: I_c 1.31, 2.05, 2.60, 2.95, 3.60."""
+    edges = (1.31, 2.05, 2.60, 2.95, 3.60)
+    names = [(zone_name(each - 0.001), zone_name(each + 0.001)) for each in edges]
+    assert all(below != above for below, above in names)
+    assert names[2] == ("silty sand to sandy silt", "clayey silt to silty clay")

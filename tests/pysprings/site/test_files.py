@@ -170,7 +170,9 @@ def test_laboratory_tests_and_layers_of_ags(tmp_path) -> None:
     assert site.points.values["effective_unit_weight"] == pytest.approx([np.nan, np.nan, 0.9 * 9810.0], nan_ok=True)
     assert [(bed.top, bed.bottom, bed.name) for bed in site.beds] == [
         (0.0, 5.0, "dense clayey SAND"), (5.0, 9.0, "stiff sandy CLAY with partings of sand")]  # fmt: skip
-    assert [unit.kind for unit in propose(site, Options()).units] == ["sand", "clay"]
+    found = propose(site, Options())
+    assert [unit.kind for unit in found.units] == ["sand", "clay"]
+    assert "su of TRIT_CU: unconsolidated undrained triaxial tests (UU), of total stress" in found.notes
 
 
 def test_layers_with_relative_density(tmp_path) -> None:

@@ -100,7 +100,7 @@ lateral_displacement = "1 mm"
     for estimate in ("low", "best", "high"):
         ground = parse_scene(text, str(tmp_path / "a.toml"), [f'soil.estimate="{estimate}"']).ground
         su.append(float(ground.value("undrained_shear_strength", np.array([12.0]))[0]))
-        moduli.append(float(ground.value("shear_modulus", np.array([3.0]))[0]))
+        moduli.append(float(ground.strata[0].shear_modulus(np.array([0.5]))[0]))
     assert su == sorted(su) and su[0] < su[2] and moduli == sorted(moduli)
     assert su[1] == pytest.approx(34e3, rel=0.1)
 
@@ -110,7 +110,8 @@ def test_sand_is_written_by_its_density_and_with_given_angles_by_these(cpt, tmp_
     sand = read_layers(tmp_path / "a.csv")[0]
     assert sand["law"] == "sand" and sand["relative_density"]["low"] < sand["relative_density"]["high"]
     assert sand["K0"] == pytest.approx(1.0 - np.sin(np.radians(33.0)), abs=1e-3)
-    assert not {"friction_angle_final", "dilation_angle"} & set(sand)
+    others = {"friction_angle_final", "dilation_angle", "shear_modulus", "degradation_strain"}
+    assert not others & set(sand)  # the law computes them from density and stress
     (tmp_path / "log.csv").write_text("Depth from [m],Depth to [m],Soil type,phi [deg]\n0,5,SAND,36\n5,20,CLAY,\n")
     assert command("ground", cpt, tmp_path / "log.csv", "--out", tmp_path / "b.csv", "--no-figures").code == 0
     sand = read_layers(tmp_path / "b.csv")[0]
@@ -215,9 +216,56 @@ def test_what_layers_give_stays_as_it_is(tmp_path) -> None:
     assert not {"shear_modulus", "degradation_strain"} & set(layer)
 
 
+def test_a_value_of_a_file_stays(tmp_path) -> None:
+    """K0 of a table and of points, G of points in law sand: none is replaced by a correlation."""
+    (tmp_path / "log.csv").write_text("top [m],bottom [m],Soil type,Dr [-],K0 [-],gamma' [kN/m3]\n0,9,SAND,0.6,0.8,9\n")
+    (tmp_path / "lab.csv").write_text("Depth [m],K0 [-],G0 [MPa]\n2,0.7,40\n4,0.8,50\n8,0.9,70\n")
+    values = proposal(tmp_path / "log.csv")["layers"][0]["values"]
+    assert (values["K0"]["best"], values["K0"]["from"]) == ([0.8, 0.8], ["given, without a range"])
+    (tmp_path / "log.csv").write_text("top [m],bottom [m],Soil type,Dr [-],gamma' [kN/m3]\n0,9,SAND,0.6,9\n")
+    done = command("ground", tmp_path / "log.csv", tmp_path / "lab.csv", "--out", tmp_path / "a.csv", "--no-figures")
+    assert "shear_modulus of a file stays as it is: G does not follow the stress" in done.out
+    (layer,) = read_layers(tmp_path / "a.csv")
+    assert layer["law"] == "sand" and layer["K0"]["best"] == pytest.approx(0.8)
+    assert layer["shear_modulus"]["top"] == "30 MPa" and "degradation_strain" not in layer
+
+
+def test_a_depth_cuts_layers_and_points_with_the_values_that_they_have_there(tmp_path) -> None:
+    """su 20 to 60 kPa over 20 m is 36 kPa at 8 m."""
+    (tmp_path / "a.csv").write_text("top [m],bottom [m],Soil type,su from [kPa],su to [kPa]\n0,20,CLAY,20,60\n")
+    (layer,) = proposal(tmp_path / "a.csv", "--depth", "8 m")["layers"]
+    assert layer["values"]["undrained_shear_strength"]["best"] == pytest.approx([20e3, 36e3])
+    (tmp_path / "b.csv").write_text("Depth [m],su [kPa]\n1,20\n5,20\n7,20\n9,90\n")
+    (layer,) = proposal(tmp_path / "b.csv", "--depth", "8 m")["layers"]
+    assert layer["bottom_m"] == 7.0 and middle(layer, "undrained_shear_strength") == pytest.approx(20e3)
+
+
+def test_measured_values_that_are_not_used_have_a_remark_each(tmp_path) -> None:
+    (tmp_path / "log.csv").write_text("top [m],bottom [m],Soil type,Dr [-],gamma' [kN/m3]\n0,9,SAND,0.6,9\n")
+    (tmp_path / "lab.csv").write_text(
+        "Depth [m],E [MPa],su [kPa],Dr [-],Permeability [m/s]\n2,40,30,0.7,1e-4\n4,50,40,0.7,1e-4\n12,50,40,0.7,1e-4\n"
+    )
+    out = command("ground", tmp_path / "log.csv", tmp_path / "lab.csv").out
+    for text in (
+        "layer 1: 2 measured young_modulus: not used, it counts in a table of layers alone",
+        "layer 1: 2 measured relative_density: not used, the table of layers gives it",
+        "layer 1: 2 measured hydraulic_conductivity: not used, it counts in a table of layers alone",
+        "layer 1: undrained_shear_strength (2 measured values) is not written: law sand does not use it",
+        "- 1 points below the last layer are not used",
+    ):
+        assert text in out
+    (tmp_path / "c.csv").write_text("top [m],bottom [m],Soil type,law,E [MPa]\n0,9,SAND,drucker-prager,40\n")
+    out = command("ground", tmp_path / "c.csv").out
+    assert "nothing gives friction_angle_final, effective_unit_weight, K0: fill it in" in out
+
+
 @pytest.mark.parametrize(
     ("table", "message"),
     [
+        ("Depth from [m],Depth to [m],Soil type,su low [kPa],su best [kPa],su high [kPa]\n0,3,CLAY,18,20,22\n",
+         'a.csv:1: has a range already ("su low [kPa]"): name it in soil.profile, or give one value for each'),
+        ("Depth from [m],Depth to [m],Soil type,law,su [kPa]\n0,3,CLAY,clay,18\n",
+         'a.csv:2: law: "clay" is not one of drucker-prager'),
         ("Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3]\n0,3,SAND,18\n3,40,CLAY,17\n",
          "a.csv: gives neither strength nor stiffness nor relative density: add columns su, phi"),
         ("Depth from [m],Depth to [m],Soil type,su [kPa]\n0,3,Unit A,18\n3,40,Unit B,\n",
