@@ -24,7 +24,8 @@ class Stage:
     ``force`` (nb,) is the known external force at the end of the stage. Everything varies linearly over the
     stage from the values that held at its start. ``stops`` are fractions of the stage where a converged state
     must land. ``lag`` is the relaxation time of a viscous soil over the duration of the stage (see soil.viscous); it
-    counts once an attempt has been given up (see solve.stepping).
+    counts once an attempt has been given up (see solve.stepping). A stage that ``continues`` is as long as the one
+    before it and goes nearly the same way: its first increment extrapolates the last one.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Stage:
     max_fraction: float = 0.1
     duration: float = 0.0
     lag: float = 0.0
+    continues: bool = False
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from fe_engine.errors import LawError
 from fe_engine.fourier_model import FourierModel
 from fe_engine.material import contact_gaps, soil_rows
 from fe_engine.soil.elastic import elastic_tangent
-from fe_engine.state import Fields, State
+from fe_engine.state import Fields, State, initial_fields
 
 
 @dataclass
@@ -148,13 +148,23 @@ class FourierSystem:
             kernels.linear_contact(self.contact, old, new, self._iterate, across, border)
             self.pattern.add_across(across, force)
             linear = replace(judged, free=self._row(force, rows), border=border)
-            film = None
-            if self.water is not None:
-                step = self.water.step(self.time_step)
-                film = FilmState(self.gaps(state.trial), state.trial.pressure.copy(), step)
-            contact = self._iterate.tangent.copy()
-            tangent = FourierTangent(contact, self._plastic, self.regime.copy(), self.time_step, film)
-            return judged, linear, tangent
+            return judged, linear, self._tangent(state.trial, self.regime.copy())
+
+    def tangent_at_rest(self) -> FourierTangent:
+        """Return the tangent at the initial state, where the soil is elastic: its law is not called."""
+        still = initial_fields(self.model)
+        faces = self._faces(still)
+        across, border = np.zeros(still.displacement.shape), np.zeros(self.model.n_border)
+        self._iterate.traction[:] = 0.0
+        kernels.linear_contact(self.contact, faces, faces, self._iterate, across, border)
+        return self._tangent(still, np.zeros_like(self.regime))
+
+    def _tangent(self, fields: Fields, regime: np.ndarray) -> FourierTangent:
+        """Return the tangent of the present iterate of the contact, and of points with this regime."""
+        film = None
+        if self.water is not None:
+            film = FilmState(self.gaps(fields), fields.pressure.copy(), self.water.step(self.time_step))
+        return FourierTangent(self._iterate.tangent.copy(), self._plastic, regime, self.time_step, film)
 
     def _faces(self, fields: Fields) -> ContactState:
         """Return what stations ask of a state: coefficients of what they see, border and tractions."""

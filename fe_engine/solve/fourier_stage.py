@@ -26,6 +26,7 @@ from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
 from fe_engine.assembly.harmonic_factors import Near
 from fe_engine.clock import Clock
+from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.preconditioner import Control, Origin
 from fe_engine.linear.recycled import control_of
@@ -103,13 +104,15 @@ class FourierStage:
 
     def border_stiffness(self, tangent: FourierTangent) -> np.ndarray:
         """Return the stiffness (nb, nb) of the border: its forces under unit motions."""
+        return np.stack([self.border_forces(tangent, motion) for motion in np.eye(self.system.model.n_border)], axis=1)
+
+    def border_forces(self, tangent: FourierTangent, motion: np.ndarray) -> np.ndarray:
+        """Return the forces (nb,) on the border under a motion (nb,) of it."""
         nb, n = self.system.model.n_border, self.system.pattern.n_free
-        none, stiffness = np.zeros((nb, 0)), np.empty((nb, nb))
-        for j in range(nb):
-            p = self._preconditioner(tangent, Control(np.eye(nb)[j], none, none))
-            x = self._solve(p, tangent, p.right_hand_side(np.zeros(n), np.zeros(nb)), _EXACT, None)
-            stiffness[:, j] = p.border_force(x)
-        return stiffness
+        none = np.zeros((nb, 0))
+        p = self._preconditioner(tangent, Control(motion, none, none))
+        x = self._solve(p, tangent, p.right_hand_side(np.zeros(n), np.zeros(nb)), _EXACT, None)
+        return p.border_force(x)
 
     def _preconditioner(self, tangent: FourierTangent, control: Control) -> Preconditioner:
         with self.clock.phase("factorisation"):
@@ -123,6 +126,8 @@ class FourierStage:
         with self.clock.phase("solve"):
             x, n = p.solve(rhs), self.system.pattern.n_moving
             self.n_solves += 1
+            if (tangent.regime == REGIME_ELASTIC).all():  # P is the tangent
+                return x
             v = -self.system.plastic_product(tangent, x[:n])
             left = float(np.linalg.norm(v))
             target = share * (left if size is None else size)

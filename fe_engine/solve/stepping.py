@@ -81,8 +81,9 @@ class Driver:
         """
         if self.newton.system.model.water is not None and not stage.duration > 0.0:
             raise ModelError(f"stage '{stage.name}' has no duration: water needs time to flow, however short")
+        known = self.position.last if stage.continues and self.position is not None else None
         at = position or Position(
-            stage.control @ self.state.committed.border, 0.0, StepSize(min(stage.first_fraction, 1.0))
+            stage.control @ self.state.committed.border, 0.0, StepSize(min(stage.first_fraction, 1.0)), known
         )
         force = np.zeros(len(stage.force)) if self.force is None else self.force
         start, done, size, last = at.start, at.done, at.next, at.last

@@ -26,6 +26,7 @@ from pysprings.model.build import Built
 from pysprings.model.fourier import BuiltFourier
 
 if TYPE_CHECKING:
+    from pysprings.full_model.work import Whole, Work
     from pysprings.scene.load import Scene
 
 
@@ -52,20 +53,19 @@ def make_engine(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Engi
 
 
 def make_collector(
-    scene: Scene, built: Built | BuiltFourier, system: System | FourierSystem, balance: WaterBalance | None,
-    sea: tuple[float, float] | None,
-) -> Collector | SpaceCollector:  # fmt: skip
-    """Make what gathers the rows of a path."""
-    output = scene.output
+    scene: Scene, on: Work | Whole, balance: WaterBalance | None = None, sea: tuple[float, float] | None = None
+) -> Collector | SpaceCollector:
+    """Make what gathers the rows of a path on its model."""
+    output, built = scene.output, on.built
     requested = output.interface_fields, output.section
     wet = partial(scene.ground.holds_water, mode=scene.drainage.mode)
     if isinstance(built, BuiltFourier):
-        assert isinstance(system, FourierSystem)
         if built.model.whole:
-            return SpaceCollector(built, system, output.interface_fields)
-        return FourierCollector(built, system, *requested, balance, sea, output.paraview, wet)
-    assert isinstance(system, System)
-    return Collector(built, system, *requested, balance, sea, output.paraview, wet)
+            return SpaceCollector(built, lambda state: on.system.gaps(state), output.interface_fields)
+        assert isinstance(on.system, FourierSystem)
+        return FourierCollector(built, on.system, *requested, balance, sea, output.paraview, wet)
+    assert isinstance(on.system, System)
+    return Collector(built, on.system, *requested, balance, sea, output.paraview, wet)
 
 
 def section_of(built: Built | BuiltFourier) -> xr.Dataset:

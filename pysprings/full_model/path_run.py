@@ -13,7 +13,6 @@ from fe_engine.balance.energy import EnergyBalance
 from fe_engine.balance.water import WaterBalance
 from fe_engine.errors import NotConverged
 from fe_engine.model import Stage
-from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Driver, Position, Step
 from fe_engine.state import FIELDS, State, initial_fields
 from pysprings.core.errors import PyspringsError, reason_of
@@ -53,7 +52,7 @@ class PathRun:
         if model.water is not None:
             self.water = WaterBalance(self.on.system, initial_fields(model))
         self.energy = EnergyBalance(self.on.system)
-        self.collector = make_collector(scene, self.on.built, self.on.system, self.water, _sea(scene))
+        self.collector = make_collector(scene, self.on, self.water, _sea(scene))
         self.extra = self.on.built.extra_load_of(scene.vertical_load_of(path))
         self.n_dead, self.stage, self.time = int(self.extra != 0.0), 0, 0.0
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
@@ -64,11 +63,6 @@ class PathRun:
         self._last: tuple[Standing, Gathered] | None = None  # after the last step, unless it is in a checkpoint
         self._number = [each.name for each in scene.all_paths].index(path.name)
         self._saved_at, self._before = time.monotonic(), work.cost()
-
-    @property
-    def part(self) -> float:
-        """Part of the caisson that the model has."""
-        return self.on.built.part
 
     def run(self) -> None:
         """Run to the end, or up to where a step does not converge: see `ending`.
@@ -116,11 +110,7 @@ class PathRun:
             self._run_stage(stages[self.stage - self.n_dead])
 
     def _run_stage(self, stage: Stage) -> None:
-        position, before = self._position, self.driver.position
-        if position is None and before is not None and self.path.kind == "circle" and self.stage > self.n_dead + 1:
-            start = stage.control @ self.state.committed.border  # sides of a circle are alike: each goes on as the last
-            position = Position(start, 0.0, StepSize(stage.first_fraction), before.last)
-        self.driver.run(stage, self._on_step, position)
+        self.driver.run(stage, self._on_step, self._position)
         self._position = None
         self.stage += 1
 

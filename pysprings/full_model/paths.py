@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from fe_engine.balance.energy import Energy
 from fe_engine.clock import Clock
 from pysprings.core.errors import out_of_memory
 from pysprings.core.path_kinds import PAIRS, PARTS
@@ -21,6 +22,7 @@ from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, WorkerDied, Workers
 from pysprings.full_model.cavitation import warning as cavitation_warning
 from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved
+from pysprings.full_model.discretise import make_collector
 from pysprings.full_model.path_checkpoint import Gathered
 from pysprings.full_model.path_run import PathRun
 from pysprings.full_model.record import convergence_dataset, cut_back, energy_summary, summarise
@@ -44,19 +46,19 @@ def run_paths(work: Work, loaded: Loaded, workers: Workers | None) -> None:
         with_workers(work, loaded, workers)
         return
     for path in work.scene.all_paths:
-        run, saved = PathRun(work, path), loaded.paths.get(path.name)
+        saved = loaded.paths.get(path.name)
+        if saved is not None and "stage" not in saved.meta:
+            _take(work, path, saved)
+            continue
+        run = PathRun(work, path)
         if saved is not None:
             run.restore(saved)
-        if saved is None or "stage" in saved.meta:
-            work.state = run.state
-            try:
-                _to_its_end(run)
-            finally:
-                if run.collector.rows:
-                    _keep(work, run)
-        else:
-            work.condition = Gathered.of(saved).cost.condition
-            _keep(work, run)
+        work.state = run.state
+        try:
+            _to_its_end(run)
+        finally:
+            if run.collector.rows:
+                _keep(work, path, run.gathered())
 
 
 def _to_its_end(run: PathRun) -> None:
@@ -74,7 +76,7 @@ def with_workers(work: Work, loaded: Loaded, workers: Workers) -> None:
     scene = work.scene
     found = {name: saved for name, saved in loaded.paths.items() if "stage" not in saved.meta}
     tasks = [
-        Task(name, path_in_worker, (scene, number, work.stiffness, work.checkpoints), cost)
+        Task(name, path_in_worker, (scene, number, (work.stiffness, work.torsion), work.checkpoints), cost)
         for number, (name, cost) in enumerate(path_costs(scene).items())
         if name not in found
     ]
@@ -94,11 +96,7 @@ def with_workers(work: Work, loaded: Loaded, workers: Workers) -> None:
     finally:
         for path in scene.all_paths:
             if path.name in found:
-                run = PathRun(work, path)
-                run.restore(found[path.name])
-                work.condition = Gathered.of(found[path.name]).cost.condition
-                if run.collector.rows:
-                    _keep(work, run)
+                _take(work, path, found[path.name])
 
 
 def path_costs(scene: Scene) -> dict[str, float]:
@@ -111,13 +109,14 @@ _counted = [0.0]  # CPU seconds of this process that a path has on its account
 
 
 def path_in_worker(
-    scene: Scene, number: int, stiffness: np.ndarray, checkpoints: Checkpoints | None, progress: Progress
+    scene: Scene, number: int, rest: tuple[np.ndarray, float], checkpoints: Checkpoints | None, progress: Progress
 ) -> Saved:
     """Run one path, in a process of its own; return what it has gathered, whole or up to an interrupt."""
     with blas_on_one_thread():
         work = _work_of(scene.sha256, scene)
         path = scene.all_paths[number]
-        work.progress, work.stiffness, work.checkpoints = progress, stiffness, checkpoints
+        work.progress, work.checkpoints = progress, checkpoints
+        work.stiffness, work.torsion = rest
         work.cpu_elsewhere, work.cpu_began = 0.0, time.process_time()
         run = PathRun(work, path)
         work.cpu_began = _counted[0]  # the model, and the modules before the first path
@@ -156,11 +155,22 @@ def largest_motion(path: xr.Dataset, radius: float) -> tuple[float, float]:
     return max(u, w, radius * float(np.abs(path["rot_z"].values).max())), turn
 
 
-def _keep(work: Work, run: PathRun) -> None:
+def _take(work: Work, path: Path, saved: Saved) -> None:
+    """Add a path that has ended, from its checkpoint or another process, to the result, and what it has cost."""
+    gathered = Gathered.of(saved)
+    work.add(gathered.cost)
+    work.condition = gathered.cost.condition
+    if gathered.rows:
+        _keep(work, path, gathered)
+
+
+def _keep(work: Work, path: Path, run: Gathered) -> None:
     """Add a path, whole or as far as it went, to the result."""
-    path, driver, name = run.path, run.driver, run.path.name
+    name, on = path.name, work.model_of(path)
     with work.clock.phase("output"):
-        dataset, group = run.collector.dataset(), f"/{'space' if path.in_space else 'paths'}/{name}"
+        collector = make_collector(work.scene, on)
+        collector.rows = run.rows
+        dataset, group = collector.dataset(), f"/{'space' if path.in_space else 'paths'}/{name}"
         dataset.attrs = {
             "kind": path.kind, "arm_m": path.arm, "role": path.role, "status": str(run.ending.status),
             "heave": path.heave,
@@ -173,24 +183,24 @@ def _keep(work: Work, run: PathRun) -> None:
             dataset.attrs["rate_m_per_s"] = path.rate
         if path.arm_from is not None:
             dataset.attrs["arm_from_m"] = path.arm_from
-        if driver.given_up and (viscous := viscous_displacement(work.scene, path)) is not None:
+        if run.given_up and (viscous := viscous_displacement(work.scene, path)) is not None:
             dataset.attrs["viscous_displacement_m"] = viscous
         dataset.attrs |= _parts(path)
         if path.load_angle is not None:
             dataset.attrs["load_angle_rad"] = path.load_angle
         work.paths[group] = dataset
-        work.paths[f"{group}/convergence"] = convergence_dataset(driver.record)
-        figures = summarise(driver.record, [cut_back(*attempt) for attempt in driver.given_up], dataset, run.limits)
+        work.paths[f"{group}/convergence"] = convergence_dataset(run.record)
+        figures = summarise(run.record, [cut_back(*attempt) for attempt in run.given_up], dataset, run.limits)
         at_limit = run.ending.status is Status.LIMIT_LOAD
         work.figures[name] = replace(
             figures, status=run.ending.status, reason=run.ending.reason,
-            energy=energy_summary(run.energy.now(), run.part),
+            energy=energy_summary(Energy(*map(float, run.energy[0])), on.built.part),
             limit_load=LimitLoad.at(figures.end, run.ending.why) if at_limit else None,
         )  # fmt: skip
         work.failures += [run.ending.failure] if run.ending.failure else []
         moved, turn = largest_motion(dataset, 0.5 * work.scene.caisson.outer_diameter)
         if large := large_motion(name, moved, turn, work.scene.caisson.skirt_length):
             work.warnings.append(large)
-        if run.collector.cavitation is not None:
-            length, margin = work.scene.caisson.skirt_length, run.collector.cavitation
-            work.warnings.append(cavitation_warning(name, dataset, length, margin))
+        if run.cavitation is not None:
+            length = work.scene.caisson.skirt_length
+            work.warnings.append(cavitation_warning(name, dataset, length, run.cavitation))

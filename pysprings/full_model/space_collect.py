@@ -5,12 +5,12 @@ Axes are those of the field: x, y to its left seen from above, rotations and mom
 depth are positive down. The engine has y to the right of x.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.core.path_kinds import LOADS, MOTIONS
@@ -21,12 +21,15 @@ from pysprings.model.fourier import SIDES, BuiltFourier
 
 
 class SpaceCollector:
-    """Gathers one row per converged step of a path that leaves a plane, as `collect.Collector` does."""
+    """Gathers one row per converged step of a path that leaves a plane, as `collect.Collector` does.
+
+    ``gaps`` returns those of the stations in a state.
+    """
 
     cavitation = None  # no water
 
-    def __init__(self, built: BuiltFourier, system: FourierSystem, fields: bool) -> None:
-        self.system, self.keep_fields = system, fields
+    def __init__(self, built: BuiltFourier, gaps: Callable[[Fields], np.ndarray], fields: bool) -> None:
+        self.gaps, self.keep_fields = gaps, fields
         self.stations, n = built.model.stations, len(built.azimuth)
         self.slices = slices_of_elements(built.section.depth)
         field = np.mod(-built.azimuth, 2.0 * np.pi)
@@ -70,7 +73,7 @@ class SpaceCollector:
             "normal_effective_stress": -state.traction[:, 0],
             "shear_around": np.cos(angle) * traction[:, 1] - np.sin(angle) * traction[:, 0],
             "shear_vertical": -traction[:, 2],
-            "gap": self.system.gaps(state),
+            "gap": self.gaps(state),
         }
         return {
             name: np.stack([means_of_elements(values[ring])[self._order] for ring in self.rings])

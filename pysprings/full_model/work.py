@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import asdict, dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numba
@@ -22,6 +22,7 @@ from fe_engine.clock import Clock
 from fe_engine.compiled import engine_digest
 from fe_engine.errors import FEError, LinearSolverError
 from fe_engine.linear.backends import Backend, Pardiso
+from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stage import Balance, FactorStage
 from fe_engine.state import State
@@ -45,14 +46,26 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-5  # share of the stiffness by which a linear solver may leave it unsymmetric
 
 
-@dataclass(frozen=True)
+@dataclass
 class Whole:
     """The whole caisson in six degrees of freedom; stiffness (6, 6) at the initial state."""
 
+    scene: Scene
+    clock: Clock
     built: BuiltFourier
-    system: FourierSystem
-    newton: Newton
     stiffness: np.ndarray
+
+    @cached_property
+    def newton(self) -> Newton:
+        """What solves it, made where a path runs."""
+        with self.clock.phase("set-up"):
+            return make_engine(self.scene, self.built, self.clock).newton
+
+    @property
+    def system(self) -> FourierSystem:
+        """The system that Newton solves."""
+        assert isinstance(self.newton.system, FourierSystem)
+        return self.newton.system
 
 
 @dataclass
@@ -65,8 +78,8 @@ class Work:
     failures, warnings : sentences for the record.
     stopped : why the run ended before its paths did.
     condition : estimate of the condition of the last matrix.
-    stiffness : (3, 3) of half the caisson at the initial state; torsion : of the whole one [N m/rad], NaN where bricks
-        stand on a section that has no series.
+    stiffness : (3, 3) of half the caisson at the initial state; torsion : of the whole one [N m/rad], NaN where it
+        cannot be computed.
     state : of the path that ran last.
     cpu_elsewhere : CPU seconds of earlier parts of the run, and of other processes; ``cpu_began`` those of this process
         before the run.
@@ -97,12 +110,11 @@ class Work:
         if not path.in_space:
             return self
         if self._whole is None:
+            from pysprings.macro.stiffness import axisymmetric
+
             with self.clock.phase("set-up"):
                 built = build_fourier(self.scene, whole=True)
-                engine = make_engine(self.scene, built, self.clock)
-            assert isinstance(engine.system, FourierSystem)
-            stiffness = symmetric_but_for_rounding(engine.newton.border_stiffness(State(built.model)))
-            self._whole = Whole(built, engine.system, engine.newton, stiffness)
+            self._whole = Whole(self.scene, self.clock, built, axisymmetric(2.0 * self.stiffness, torsion=self.torsion))
         return self._whole
 
     @property
@@ -112,7 +124,8 @@ class Work:
 
     def cost(self) -> Cost:
         """Return the cost of all that this run has counted so far."""
-        solvers = [self.newton.solver, *([] if self._whole is None else [self._whole.newton.solver])]
+        whole = [] if self._whole is None or "newton" not in vars(self._whole) else [self._whole.newton]
+        solvers = [each.solver for each in (self.newton, *whole)]
         saved = self.checkpoints
         written, spent = (0, 0.0) if saved is None else (saved.written, saved.spent)
         return Cost(
@@ -147,9 +160,10 @@ class Work:
             if loaded.any:
                 checkpoints.resumed.append({"at_utc": started, "from": loaded.place})
         if loaded.shared is None:
-            stiffness, torsion = self._initial_stiffness(), np.array(self._initial_torsion())
+            stiffness, (torsion, lacking) = self._initial_stiffness(), self._initial_torsion()
             about = {"started_utc": started, "harmonics": self.scene.mesh.harmonics, "cost": asdict(self.cost())}
-            loaded.shared = Saved(about, {"stiffness": stiffness, "torsion": torsion})
+            arrays = {"stiffness": stiffness, "torsion": np.array(torsion)}
+            loaded.shared = Saved(about | {"torsion_lacks": lacking}, arrays)
             if checkpoints is not None:
                 with self.clock.phase("checkpoint"):
                     checkpoints.begin(loaded.shared, anew=not loaded.paths)
@@ -157,6 +171,7 @@ class Work:
             self.add(Cost(**loaded.shared.meta["cost"]))
         self.stiffness = loaded.shared.arrays["stiffness"]
         self.torsion = float(loaded.shared.arrays["torsion"])
+        self.warnings += loaded.shared.meta["torsion_lacks"]
         return loaded
 
     def _identity(self) -> dict[str, str]:
@@ -179,15 +194,18 @@ class Work:
         finally:
             self.system.sealed = False
 
-    def _initial_torsion(self) -> float:
-        """Return the torsional stiffness of the whole caisson at rest [N m/rad], without water: no volume changes."""
+    def _initial_torsion(self) -> tuple[float, list[str]]:
+        """Return the torsional stiffness of the whole caisson at rest [N m/rad], without water: no volume changes.
+
+        Where it cannot be computed (bricks in a geometry that has no section), NaN and a sentence on it.
+        """
         try:
             with self.clock.phase("set-up"):
-                built = build_torsion(self.scene)
-                engine = make_engine(self.scene, built, self.clock)
-            return float(engine.newton.border_stiffness(State(built.model))[-1, -1])
-        except FEError:
-            return float("nan")
+                system = FourierSystem(build_torsion(self.scene).model, self.clock)
+            stage, twist = FourierStage(system, self.clock), np.eye(6)[-1]
+            return float(twist @ stage.border_forces(system.tangent_at_rest(), twist)), []
+        except FEError as error:
+            return float("nan"), [f"the torsional stiffness cannot be computed, and stands nowhere: {error}"]
 
 
 def prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:

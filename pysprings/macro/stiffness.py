@@ -25,7 +25,7 @@ from pysprings.macro.user_curves import CurveSprings
 Array = NDArray[np.float64]
 
 DOFS = MOTIONS
-NO_TORSION = "torsion (rot_z) is not known without a full model: its row and column are 0"
+NO_TORSION = "torsion (rot_z) is not known, as no full model has computed it: its row and column are 0"
 AT_REST = "torsion (rot_z) is that of the full model at rest: less where torsion or lateral loads mobilise friction"
 FULL_MODEL = "initial stiffness of the full model"
 FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
@@ -87,8 +87,8 @@ def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]
     right-hand; w is down. Units: N/m for displacements, N/rad = N m/m between u_x and rot_y (u_y and rot_x), N
     m/rad for rotations. The caisson at rest is axisymmetric: what holds for (u_x, rot_y) holds for (u_y, -rot_x).
     At a state the block out of the plane of the load is the secant, as the response does not depend on the
-    direction of the plane. Torsion is that of the full model at rest, at a state, too; without a full model (a
-    table) it is 0, and stated so.
+    direction of the plane. Torsion is that of the full model at rest, at a state, too; where none has computed it
+    (a table, an atlas) it is 0, and stated so.
 
     Raises
     ------

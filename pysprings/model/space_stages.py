@@ -51,13 +51,12 @@ def space_points(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
     return _HELD, np.hstack([np.array(at), np.zeros((len(at), 3))])
 
 
-def space_stages(scene: Scene, path: Path, dead: float, rest: float, balanced: float, first: float) -> list[Stage]:
-    """Return the stages of a path, one after the other.
+def space_stages(scene: Scene, path: Path, dead: float, balanced: float, first: float) -> list[Stage]:
+    """Return the stages of a path that starts at w = 0, one after the other.
 
     Parameters
     ----------
     dead, balanced : vertical load (N) beyond the one that balances the initial contact stresses, and that one.
-    rest : w (m) under the dead load.
     first : size of the first step, m.
     """
     held, points = space_points(path)
@@ -71,42 +70,43 @@ def space_stages(scene: Scene, path: Path, dead: float, rest: float, balanced: f
         force[LOADS.index(name)] = value - (balanced if name == "V" else 0.0)
     if path.heave == "fixed":
         rows, patterns = [*rows, np.eye(6)[_W]], [*patterns, np.eye(6)[_W]]
-        points = np.hstack([points, np.full((len(points), 1), rest)])
+        points = np.hstack([points, np.zeros((len(points), 1))])
     control, load = np.array(rows).reshape(-1, 6), np.array(patterns).reshape(-1, 6).T
-    stages, before = [], np.zeros(points.shape[1])
-    before[len(held) :] = rest
-    for number, point in enumerate(points):
+    lengths, stages, before = lengths_of(scene, control), [], np.zeros(points.shape[1])
+    for number, (point, time) in enumerate(zip(points, _times(path, len(points)), strict=True)):
         name = path.name if number == 0 else f"{path.name}, then {number}"
-        stage = Stage(name, control, point, load, force, duration=(path.duration or 0.0) / len(points))
-        stages.append(_stepped(scene, stage, _travel(scene, control, point - before), first, path.kind == "circle"))
+        stage = Stage(name, control, point, load, force, duration=time)
+        if path.kind == "circle" and number:  # a side
+            stage = replace(stage, first_fraction=0.5, max_fraction=1.0, continues=number > 1)
+        else:
+            stage = _stepped(scene, stage, float(np.linalg.norm((point - before) * lengths)), first)
+        stages.append(stage)
         before = point
     stops = {abs(value / points[0, 0]) for value in path.report_at} | {1.0}
     return [replace(stages[0], stops=tuple(sorted(stops))), *stages[1:]]
 
 
-def _stepped(scene: Scene, stage: Stage, travel: float, first: float, circle: bool) -> Stage:
-    """Return a stage with its steps; sides of a circle go on from each other."""
-    if circle and " then " in stage.name:
-        return replace(stage, first_fraction=0.5, max_fraction=1.0)
+def _times(path: Path, parts: int) -> list[float]:
+    """Return the time (s) of each part of a path, 0 where none is given; those of a circle share its own."""
+    if path.kind == "circle":
+        return [(path.duration or 0.0) / parts] * parts
+    return [path.duration or 0.0, *(then.time or 0.0 for then in path.then)]
+
+
+def _stepped(scene: Scene, stage: Stage, travel: float, first: float) -> Stage:
+    """Return a stage with its steps, the first one of ``first`` (m)."""
     start = scene.solver.first_step_fraction or (min(1.0, first / travel) if travel else 0.01)
     return replace(stage, first_fraction=start, max_fraction=max(start, scene.solver.max_step_fraction or 0.05))
 
 
-def _travel(scene: Scene, control: np.ndarray, change: np.ndarray) -> float:
-    """Return the length (m) of a change of the motions that rows of the control impose: at lid, tip or wall."""
+def lengths_of(scene: Scene, control: np.ndarray) -> np.ndarray:
+    """Return the lengths (nc,) that turn what rows of a control (nc, nb) impose into displacements of lid, tip or wall.
+
+    They are 1 of displacements; skirt length of rotations; radius (m) of a twist.
+    """
     length, radius = scene.caisson.skirt_length, 0.5 * scene.caisson.outer_diameter
-    scale = np.array([1.0, 1.0, 1.0, length, length, radius])
-    return float(np.linalg.norm((control.T @ change) * scale))
-
-
-def with_lag(scene: Scene, stages: list[Stage], relaxing: float | None) -> list[Stage]:
-    """Return the stages with the relaxation time of soil that relaxes in an imposed motion of ``relaxing`` (m)."""
-    out, before = [], np.zeros(len(stages[0].target))
-    for stage in stages:
-        moved = _travel(scene, stage.control, stage.target - before)
-        out.append(replace(stage, lag=relaxing / moved) if relaxing is not None and moved else stage)
-        before = stage.target
-    return out
+    shifts, sizes = {3: (2, [1.0, 1.0, length]), 6: (3, [1.0, 1.0, 1.0, length, length, radius])}[control.shape[1]]
+    return np.where((control[:, :shifts] == 0.0).all(axis=1), control @ sizes, 1.0)
 
 
 def space_motion(path: Path, radius: float) -> tuple[float, float]:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.model import Stage
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import MOTIONS, PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.model.build import extra_load as extra_load_of
-from pysprings.model.space_stages import space_motion, space_stages, with_lag
+from pysprings.model.space_stages import lengths_of, space_motion, space_stages
 from pysprings.model.water import mudline_time
 from pysprings.scene.soils import SOIL_LAWS
 
@@ -68,12 +68,13 @@ def path_stages(
     """
     if path.in_space:
         start = _first_strain(scene) * scene.caisson.outer_diameter
-        relaxing = viscous_displacement(scene, path)
-        return with_lag(scene, space_stages(scene, path, extra_load, rest, balanced, start), relaxing)
-    first = _stages(scene, path, extra_load, undrained_time)
-    further = _further(scene, path, first[-1], undrained_time, balanced)
-    stages = _viscous(scene, path, [*first, *further])
-    return [replace(stage, target=stage.target + rest * stage.control[:, 1]) for stage in stages] if rest else stages
+        stages = space_stages(scene, path, extra_load, balanced, start)
+    else:
+        stages = _stages(scene, path, extra_load, undrained_time)
+        stages += _further(scene, path, stages[-1], undrained_time, balanced)
+    stages = _viscous(scene, path, stages)
+    w = (MOTIONS if path.in_space else DOFS).index("w")
+    return [replace(stage, target=stage.target + rest * stage.control[:, w]) for stage in stages] if rest else stages
 
 
 def fast_paths(scene: Scene, mesh: Mesh | SectionMesh) -> list[str]:
@@ -115,8 +116,7 @@ def _viscous(scene: Scene, path: Path, stages: list[Stage]) -> list[Stage]:
         return stages
     viscous, start = [], np.zeros(len(stages[0].target))
     for stage in stages:
-        turns = (stage.control[:, :2] == 0.0).all(axis=1)
-        moved = np.linalg.norm((stage.target - start) * np.where(turns, scene.caisson.skirt_length, 1.0))
+        moved = np.linalg.norm((stage.target - start) * lengths_of(scene, stage.control))
         viscous.append(replace(stage, lag=relaxing / float(moved)) if moved else stage)
         start = stage.target
     return viscous

@@ -193,7 +193,8 @@ def _mesh(run: Run) -> str:
 def _springs(run: Run) -> str:
     worst = _held_back(run)
     if worst is None:
-        return "not checked: no path is held back" if run.comparison is not None else "none: too little converged"
+        made = run.comparison is not None
+        return "not checked: there is no held-back path in one plane" if made else "none: too little converged"
     errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items())
     return f"against the full model on the paths held back, largest error at equal displacement: {errors}"
 

@@ -152,6 +152,8 @@ def _path(index: int, path: Path) -> Iterator[Clash]:
     here: KeyPath = ("path", index)
     if path.in_space:
         yield from space_path(here, path)
+        if path.kind == "twist" and path.twist:
+            yield from _stops(here, "twist", path.twist, path.report_at)
         return
     kind = PATH_KINDS[path.kind]
     imposed = kind.imposed

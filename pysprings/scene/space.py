@@ -51,7 +51,7 @@ def space_path(here: KeyPath, path: Path) -> Iterator[Clash]:
     uses = _USES.get(kind, ())
     for name in _KEYS:
         value = getattr(path, name)
-        if name not in uses and value not in (None, 0.0, ()):
+        if name not in uses and value not in (None, ()) and (value or name != "arm"):
             yield Clash(((*here, name), where), f'a path of kind "{kind}" that leaves a plane does not use it')
     if not uses:
         return

@@ -102,7 +102,7 @@ def companions_of(
         try:
             coarse = two_mesh.coarser(scene) if scene.load_paths else scene
             if not scene.load_paths:
-                companions.why_not = "no path stays in one plane"
+                companions.why_not = "estimates are made of paths in one plane, and there is none"
             elif coarse is scene:
                 companions.why_not = "there is no coarser mesh than this one"
             elif scene.discretisation == FOURIER:

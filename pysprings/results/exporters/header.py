@@ -49,6 +49,13 @@ _OF_SCENE = {"defaulted": "by default, not given in the scene", "remarks": "rema
 BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
 
 
+def torsion_words(stiffness: float | None) -> str:
+    """Return a sentence on torsion, for the stiffness of the full model at rest; None: not known."""
+    if stiffness is None:
+        return "torsion is not known, no full model has computed it: rotation about z is free"
+    return "torsion is linear, with the stiffness of the full model at rest: friction is not in it"
+
+
 def header(source: Source, target: str, frame: str, units: str, use: str = BACKBONE) -> list[str]:
     """Return the lines of a header, without comment signs.
 

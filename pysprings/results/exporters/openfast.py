@@ -25,10 +25,7 @@ _LOST = {
     "memory": ("no degradation by the number of cycles", "a vertical load that changes: the elements hold for one",
                "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption"),
 }  # fmt: skip
-_ALWAYS = (
-    "torsion is linear, with the stiffness of the full model at rest",
-    "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like",
-)
+_READ = "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like"
 _CYCLES = "elements that remember reversals, for tens of cycles"
 
 
@@ -36,18 +33,19 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
     from pysprings.macro.fan import has_fan
     from pysprings.macro.model import MacroModel
-    from pysprings.results.exporters.header import BACKBONE, header, springs_at
+    from pysprings.results.exporters.header import BACKBONE, header, springs_at, torsion_words
     from pysprings.results.exporters.soildyn.library import library_input, library_name, spring_text
 
     springs, load = springs_at(source, options)
     if not has_fan(springs):
         return [], [_NO_FAN]
     model = MacroModel.from_springs(springs, str(options["springs"]), V=load)
-    lost = [*_LOST[str(options["springs"])], *model.response.plane_notes(), *_ALWAYS]
+    torsion = known_torsion(model.attrs)
+    lost = [*_LOST[str(options["springs"])], *model.response.plane_notes(), torsion_words(torsion), _READ]
     use = _CYCLES if len(model.response.element_rows.rows) else BACKBONE
     head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
-    text = spring_text(head, model, known_torsion(model.attrs) or 0.0, total, stop)
+    text = spring_text(head, model, torsion or 0.0, total, stop)
     library = f"./{library_name()}"
     files = [
         target.write(_SPRING_FILE, text),

@@ -22,7 +22,7 @@ FRAME = (
     "forces on the soil"
 )
 UNITS = "N/m, N/rad = N m/m, N m/rad; kg, kg m, kg m2"
-NO_TORSION = "torsion is not known without a full model: Ktztz is 0, which SubDyn rejects; put in a value of your own"
+NO_TORSION = "torsion is not known, no full model has computed it: Ktztz is 0, which SubDyn rejects; put in a value"
 
 
 def labels(letter: str) -> Iterator[tuple[str, int, int]]:

@@ -73,17 +73,16 @@ def load_displacement(result: xr.DataTree) -> pd.DataFrame:
 
     Where a path leaves the plane of x, all have the columns of six degrees of freedom.
     """
-    paths = {name: each.recorded for name, each in paths_of(result).items()}
+    paths, columns = {name: each.recorded for name, each in paths_of(result).items()}, LOAD_DISPLACEMENT
     space = result.children["space"].children if "space" in result.children else {}
     if space or any(path.attrs.get("direction_rad") for path in paths.values()):
-        turned = {name: _turned(path) for name, path in paths.items()}
-        return _in_space(turned | {name: node.to_dataset(inherit=False) for name, node in space.items()})
+        paths, columns = {name: _turned(path) for name, path in paths.items()}, IN_SPACE
+        paths |= {name: node.to_dataset(inherit=False) for name, node in space.items()}
     frames = []
-    for name, recorded in paths_of(result).items():
-        path = recorded.recorded
+    for name, path in paths.items():
         n = path.sizes["step"]
         head = {"path": [name] * n, "step": np.arange(n)}
-        frames.append(pd.DataFrame(head | {column: path[key].values for column, key in LOAD_DISPLACEMENT.items()}))
+        frames.append(pd.DataFrame(head | {column: path[key].values for column, key in columns.items()}))
     return pd.concat(frames, ignore_index=True)
 
 
@@ -95,16 +94,6 @@ def _turned(path: xr.Dataset) -> xr.Dataset:
     names |= {"rot_x": -across * path["rotation"], "rot_y": along * path["rotation"], "rot_z": nothing}
     names |= {"M_x": -across * path["M"], "M_y": along * path["M"], "T": nothing}
     return path[["time", "w", "V", "converged"]].assign(names)
-
-
-def _in_space(paths: dict[str, xr.Dataset]) -> pd.DataFrame:
-    """Return the table of paths in six degrees of freedom."""
-    frames = []
-    for name, path in paths.items():
-        n = path.sizes["step"]
-        head = {"path": [name] * n, "step": np.arange(n)}
-        frames.append(pd.DataFrame(head | {column: path[key].values for column, key in IN_SPACE.items()}))
-    return pd.concat(frames, ignore_index=True)
 
 
 def py_long(springs: xr.DataTree) -> pd.DataFrame:

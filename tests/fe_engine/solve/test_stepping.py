@@ -109,6 +109,14 @@ def test_a_linear_model_needs_one_iteration_and_then_none():
     assert [step.increment.iterations for step in out.steps] == [1] + [0] * (len(out.steps) - 1)
 
 
+@pytest.mark.parametrize("continues", [False, True])
+def test_a_stage_that_continues_extrapolates_the_one_before(continues):
+    ends = [stage({0: size}, arm=0.1, first_fraction=0.5, max_fraction=0.5) for size in (1.0e-6, 2.0e-6)]
+    model = footing(soil(elastic.LAW), contact=(1.0e10, 1.0e10, 100.0))
+    out = run(model, ends[0], replace(ends[1], continues=continues))
+    assert [step.increment.iterations for step in out.steps] == [1, 0, 0 if continues else 1, 0]
+
+
 # --- cut-back ---------------------------------------------------------------------------------------------
 
 

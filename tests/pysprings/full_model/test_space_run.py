@@ -6,12 +6,19 @@ from functools import cache
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
+from fe_engine.clock import Clock
 from fe_engine.solve.stepping import fewest_increments
+from fe_engine.state import State
 from pysprings import Scene, extract_springs
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.full_model.compute import compute
+from pysprings.full_model.diagnosis import DisplacementLimit
+from pysprings.full_model.path_run import PathRun
+from pysprings.full_model.paths import _take, largest_motion
+from pysprings.full_model.work import prepare
 from pysprings.model.stages import path_stages
 from pysprings.results.exporters.tables import load_displacement
 from pysprings.scene.extent import PAPER
@@ -126,6 +133,30 @@ def test_the_reactions_by_depth_lid_and_tip_carry_the_load():
     assert float(around.min()) > 0.0  # the caisson takes the soil along, everywhere
 
 
+def test_reactions_by_depth_are_the_sums_of_the_fields_around_the_walls():
+    """Normal stress and both shears at their azimuths, over both walls; K0 p' at the beginning (K0 is 1)."""
+    path = result()["space/elbow"].to_dataset().isel(step=[0, -1])
+    at_rest = path["normal_effective_stress"].isel(step=0) - 10.56e3 * (1.0 + path["depth"])
+    assert np.abs(at_rest).max() < 1e-3
+    angle, step = path["azimuth"].values[:, None], 2.0 * np.pi / path.sizes["azimuth"]
+    for side, radius, sign in (("outside", 3.9, 1.0), ("inside", 3.9 - scene().caisson.skirt_thickness, -1.0)):
+        at = path.isel(step=1).sel(side=side)
+        normal, around, down = (at[name].transpose("azimuth", "depth").values for name in (
+            "normal_effective_stress", "shear_around", "shear_vertical"))  # fmt: skip
+        wanted = {
+            "p_x": sign * normal * np.cos(angle) - around * np.sin(angle),
+            "p_y": sign * normal * np.sin(angle) + around * np.cos(angle), "t": down, "torque": radius * around,
+        }  # fmt: skip
+        for name, parts in wanted.items():
+            sums = radius * step * parts.sum(axis=0)
+            np.testing.assert_allclose(at[name], sums, rtol=1e-6, atol=1e-6 * np.abs(normal).max(), err_msg=name)
+    assert path["p_x"].sum() > 0.0 < path["p_y"].sum()
+    load = result()["space/load"].to_dataset()
+    height = load["depth_bounds"][:, 1] - load["depth_bounds"][:, 0]
+    carried = (load["t"].sum("side") * height).sum("depth")
+    assert 0.0 < float((carried[-1] - carried[0]) / (load["V"][-1] - load["V"][0])) < 1.0  # V grows
+
+
 def test_the_first_part_of_a_path_is_that_of_the_half_model():
     """N 2 has other azimuths in the half circle: H within 1 %."""
     half = compute(scene({"name": "way", "kind": "translation", "lateral_displacement": 1e-3})).recorded()
@@ -159,6 +190,54 @@ def test_a_circle_is_one_side_after_the_other_around():
     assert at[1, 0] < 0.0  # from +x towards +y
     assert np.unwrap(np.arctan2(at[:, 1], at[:, 0]))[[0, -1]].tolist() == pytest.approx([np.pi / 2, 2.5 * np.pi])
     assert sum(map(fewest_increments, stages)) > 2 * (len(stages) - 1)
+    assert [stage.continues for stage in stages] == [False, False] + 71 * [True]
+
+
+def test_parts_of_a_path_take_their_time_and_its_soil_relaxes_in_what_moves():
+    """The dead load's w, from which an imposed one counts, is no motion of the path."""
+    given = ELBOW | {"heave": "fixed", "duration": 60.0, "then": ["1 mm towards 90 deg in 10 min"]}
+    path = scene(given).all_paths[0]
+    stages = path_stages(scene(given), path, 0.0, rest=0.02)
+    assert [stage.duration for stage in stages] == [60.0, 600.0]
+    assert stages[0].lag == stages[1].lag == pytest.approx(3e-8 * 7.8 / 1e-3)
+    assert [stage.target[-1] for stage in stages] == [0.02, 0.02]
+
+
+def test_a_path_from_elsewhere_needs_no_engine():
+    """Its rows, and the stiffness at rest: that of the half model and of torsion is the whole one's."""
+    given, works = scene(TWIST), []
+    for _ in range(2):
+        works.append(prepare(given, Clock(), lambda *_: None))
+        works[-1].take_up(False, "")
+    path = given.all_paths[0]
+    run = PathRun(works[0], path)
+    run.run()
+    for work in works:
+        _take(work, path, run.gathered().saved())
+    whole = works[1].model_of(path)
+    assert "newton" not in vars(whole)
+    assert works[1].paths["/space/twist"].identical(works[0].paths["/space/twist"])
+    own = whole.newton.border_stiffness(State(whole.built.model))
+    np.testing.assert_allclose(whole.stiffness, own, atol=1e-9 * np.abs(own).max())
+    work_done = float(np.trapezoid(*(works[0].paths["/space/twist"][name] for name in ("T", "rot_z"))))
+    assert works[0].figures["twist"].energy["work_J"] == pytest.approx(work_done, rel=1e-6)
+
+
+def test_motions_are_judged_alike_in_any_direction():
+    limit = DisplacementLimit(8.0, 4.0, 0.1, 0.1, rest=0.02)
+    for u, w, turn in ((0.5, 0.02, -0.02), (0.1, 0.02, 0.06), (0.1, 0.4, 0.0)):
+        for c, s in ((0.6, 0.8), (-1.0, 0.0)):
+            space = np.array([c * u, s * u, w, -s * turn, c * turn, 0.0])
+            assert limit.share(space) == pytest.approx(limit.share(np.array([u, w, turn])))
+    assert limit.share(np.array([0.0, 0.0, 0.02, 0.0, 0.0, -0.15])) == pytest.approx(1.5)
+    names = ("u_x", "u_y", "w", "rot_x", "rot_y", "rot_z")
+    for motion, largest in (
+        ((0.3, -0.4, 0.1, 0.03, 0.04, 0.1), (0.5, 0.05)),
+        ((0.0, 0.1, -0.7, 0.0, -0.04, 0.1), (0.7, 0.04)),
+        ((0.1, 0.0, 0.2, 0.0, 0.0, -0.1), (0.39, 0.0)),
+    ):
+        path = xr.Dataset({name: ("step", [0.0, value]) for name, value in zip(names, motion, strict=True)})
+        assert largest_motion(path, 3.9) == pytest.approx(largest)
 
 
 @pytest.mark.parametrize(("path", "sections", "text"), [
@@ -175,6 +254,8 @@ def test_a_circle_is_one_side_after_the_other_around():
     (ELBOW | {"then": ["2 mm towards 90 deg", "3 mm"]}, {}, 'goes on with "12 mm towards 90 deg" alone'),
     (MOTION | {"then": ["2 mm"]}, {}, "does not use it"),
     (LOAD | {"heave": "fixed"}, {}, "cannot have a vertical load"),
+    (PULL | {"T": 0.0} | HELD, {}, "T: a path of kind \"pull\" that leaves a plane does not use it"),
+    (TWIST | {"report_at": (2e-3,)}, {}, "is not on the way from 0 to twist"),
     ({"name": "a", "kind": "vertical", "vertical_displacement": 1e-3, "then": ["2 mm towards 9 deg"]} | HELD,
      {}, "cannot go on in another direction"),
     ({"name": "a", "kind": "vertical", "vertical_displacement": 1e-3, "direction": 1.0}, {}, "does not use it"),
@@ -204,3 +285,4 @@ def test_a_run_without_a_path_in_one_plane_has_no_springs():
     end = run.record.paths["twist"].end
     assert set(end) == {*MOTIONS, *LOADS} and end["T"] < 0.0
     assert run.record.paths["twist"].energy["imbalance_over_largest_term"] < 1e-3
+    assert any("off a plane, reactions of one mesh" in text and "twist" in text for text in run.record.remarks)

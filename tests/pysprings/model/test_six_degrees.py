@@ -8,13 +8,18 @@ import pytest
 import scipy.sparse as sparse
 from scipy.sparse.linalg import spsolve
 
+from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.clock import Clock
 from fe_engine.elements import fourier as elements
+from fe_engine.errors import MeshError
 from fe_engine.model import Stage
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver
 from fe_engine.state import State
 from pysprings import Scene
+from pysprings.core.variables import TORSION
+from pysprings.full_model import compute
+from pysprings.full_model import work as work_module
 from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.work import prepare
 from pysprings.model.contact import SURFACE
@@ -183,10 +188,28 @@ def test_a_pull_has_the_same_answer_in_every_direction():
 def test_the_torsion_of_any_scene_is_that_of_the_whole_caisson(changes):
     """Of steel it is less; water takes no part, and bricks have that of the series."""
     given = {"soil": ELASTIC, "domain": {"radius": 40.0, "depth": 30.0}, "mesh": {"preset": "coarse"}, "paths": (PATH,)}
-    found = prepare(Scene(**given | changes), Clock(), lambda *_: None)._initial_torsion()
+    found = prepare(Scene(**given | changes), Clock(), lambda *_: None)._initial_torsion()[0]
     mesh = {"preset": "coarse", "refinement": changes.get("mesh", {}).get("refinement", 1.0)}
     whole = stiffness(Scene(**given | {"mesh": mesh}))[5, 5]
     if "caisson" in changes:
         assert 0.9 * whole < found < 0.9999 * whole
     else:
         assert found == pytest.approx(whole, rel=1e-9)
+
+
+def test_torsion_at_rest_needs_no_soil_law(monkeypatch):
+    """Nor is it silent where it cannot be computed: the record states it, and nothing has a number."""
+    given = {"soil": ELASTIC, "domain": {"radius": 40.0, "depth": 30.0}, "paths": (PATH,)}
+    bricks = Scene(**given, mesh={"preset": "coarse", "discretisation": "hex8", "refinement": 0.4})
+    work = prepare(bricks, Clock(), lambda *_: None)
+    monkeypatch.setattr(FourierSystem, "_soil", None)
+    work.take_up(False, "")
+    assert work.torsion > 0.0 and not any("torsion" in text for text in work.warnings)
+
+    def fails(_scene):
+        raise MeshError("cells cannot be graded")
+
+    monkeypatch.setattr(work_module, "build_torsion", fails)
+    run = compute.compute(bricks)
+    assert "the torsional stiffness cannot be computed" in " ".join(run.record.warnings)
+    assert run.record.stiffness_initial[TORSION] is None and TORSION not in run.tree.attrs

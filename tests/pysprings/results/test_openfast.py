@@ -98,6 +98,14 @@ def test_the_header_names_origin_conditions_and_errors(folder: Path) -> None:
             assert words in text, (name, words)
 
 
+def test_torsion_that_no_full_model_has_computed_is_named(tmp_path: Path) -> None:
+    unknown = vertical_springs().copy()
+    del unknown.attrs[variables.TORSION]
+    for springs, words in ((unknown, "torsion is not known"), (vertical_springs(), "torsion is linear")):
+        remarks = export(Source(springs), "openfast", tmp_path).remarks
+        assert sum(words in text for text in remarks) == (2 if springs is unknown else 1)
+
+
 def test_the_linear_error_is_that_of_the_matrix(source: Source, tmp_path: Path) -> None:
     """On the recorded end of a translation: K u less H, over the largest H."""
     springs = source.springs

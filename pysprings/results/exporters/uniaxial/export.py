@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.variables import known_torsion
 from pysprings.results.exporters.base import Options, Source
-from pysprings.results.exporters.header import header, springs_at
+from pysprings.results.exporters.header import header, springs_at, torsion_words
 from pysprings.results.exporters.uniaxial.curve import FAR, Spring, Table, cosines
 from pysprings.results.exporters.uniaxial.sets import (
     Uniaxial,
@@ -83,8 +83,6 @@ BEHIND = (
     f"behind their range springs go on with their last slope to {FAR:g} times the range: no load that the full model "
     "has carried"
 )
-FREE = "torsion is not known without a full model: rotation about z is free"
-LINEAR = "torsion is linear, with the stiffness of the full model at rest: friction is not in it"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,16 +112,16 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
     springs, load = springs_at(source, given)
     made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]), str(given["slices"]))
     rows = tables(made, points)
-    torsion, first = known_torsion(springs.attrs) or 0.0, float(given["azimuth"] or 0.0)
+    torsion, first = known_torsion(springs.attrs), float(given["azimuth"] or 0.0)
     lost = [f"springs '{made.model.spring_set}'", *made.lost, ELASTIC, NOT_ODD, other_planes(springs, made)]
-    lost += [BEHIND, LINEAR if torsion else FREE]
+    lost += [BEHIND, torsion_words(torsion)]
     lost += [
         f"tables of at most {points} points: {100.0 * max(row.error for row in rows):.2g} % from the curves at most",
         change_by_tables(springs, made.model, with_tables(made, rows)),
         *errors_by_role(springs, made.model, "error of these springs beside the full model"),
     ]
     angles = tuple(first + np.pi / made.planes * k for k in range(made.planes))
-    return Prepared([*header(source, target, frame, UNITS), *lost], rows, lost, made, springs, angles, torsion)
+    return Prepared([*header(source, target, frame, UNITS), *lost], rows, lost, made, springs, angles, torsion or 0.0)
 
 
 Terms = dict[str, float]
