@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from pysprings.macro.stiffness import Form
 
 POINTS = 50  # of a curve
+BY_COMPONENTS = {"--Hx", "--Hy", "--Mx", "--My", "--T"}
 MISSING = 'missing: give a load such as --H "2 MN", or --u-max "5 mm" for a curve'
 
 
@@ -42,6 +43,11 @@ class Question:
     skirt_length: float | None = None
     rate: float | None = None
     reference_depth: float | None = None
+    Hx: float | None = None
+    Hy: float | None = None
+    Mx: float | None = None
+    My: float | None = None
+    T: float | None = None
     sequence: Path | None = None
     points: int | None = None
 
@@ -54,14 +60,16 @@ class Question:
     def __post_init__(self) -> None:
         """Raise UserInputError for loads and motions that are missing or given twice."""
         there = self.given
-        motions = there & {"--u", "--rotation", "--tilt"}
+        motions, parts = there & {"--u", "--rotation", "--tilt"}, sorted(there & BY_COMPONENTS)
         if self.points is not None and self.u_max is None:
             refuse("--points", "are those of a curve: give --u-max")
         if self.sequence is not None:
             for option in sorted(there - {"--V", "--skirt-length", "--rate", "--reference-depth"}):
                 refuse(option, "give either this or --sequence: the file holds loads, motions and their height")
             return
-        if not there & {"--H", "--M", "--V", "--u-max", *motions}:
+        if parts and (other := sorted(there & {"--H", "--arm", "--M", "--u-max", *motions})):
+            refuse(other[0], f"give either this or {parts[0]}: loads by components are Hx, Hy, V, Mx, My, T")
+        if not there & {"--H", "--M", "--V", "--u-max", *motions, *parts}:
             refuse("--H", MISSING)
         if {"--H", "--u-max"} <= there:
             refuse("--u-max", "give either --H or --u-max: the load is an answer of the curve")
@@ -93,6 +101,13 @@ def predict(
         float | None, quantity("--M", "N m", "3 MN m", 'moment about the lid centre, H*arm, e.g. "3 MN m"')
     ] = None,
     vertical: Annotated[float | None, quantity("--V", "N", "4 MN", "vertical load, positive down")] = None,
+    force_x: Annotated[float | None, quantity("--Hx", "N", "1 MN", "loads by components, z up: lateral load")] = None,
+    force_y: Annotated[float | None, quantity("--Hy", "N", "1 MN", "to the left of x, seen from above")] = None,
+    moment_x: Annotated[float | None, quantity("--Mx", "N m", "-3 MN m", "right-handed: -Hy at its height")] = None,
+    moment_y: Annotated[float | None, quantity("--My", "N m", "3 MN m", "right-handed: Hx at its height")] = None,
+    torsion: Annotated[
+        float | None, quantity("--T", "N m", "0.5 MN m", "torsion; the twist is linear, with the stiffness at rest")
+    ] = None,
     u_max: Annotated[
         float | None, quantity("--u-max", "m", "5 mm", 'a whole curve up to this displacement, e.g. "5 mm"')
     ] = None,
@@ -160,8 +175,9 @@ def predict(
     from pysprings.cli import predictions
 
     question = Question(
-        load, arm, moment, vertical, u_max, u, rotation, tilt, skirt_length, rate, reference_depth, sequence, points
-    )
+        load, arm, moment, vertical, u_max, u, rotation, tilt, skirt_length, rate, reference_depth,
+        force_x, force_y, moment_x, moment_y, torsion, sequence, points,
+    )  # fmt: skip
     springs: AnySprings
     if atlas is not None:
         asked = Asked(atlas, result, diameter, length, tuple(changes or ()), save_springs, question.V)
@@ -208,6 +224,8 @@ def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Datase
         )
     if question.tilt is not None:
         return _tilted(springs, question, common)
+    if question.given & BY_COMPONENTS:
+        return _by_components(springs, question, common)
     if question.u is not None or question.rotation is not None:
         common |= {"u": question.u, "rotation": question.rotation}
         states = predict.way_to_motion(springs, arm=question.arm or 0.0, V=question.V, **common)
@@ -218,6 +236,25 @@ def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Datase
 
             states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(question.H, question.M)]
     return states.isel(step=[-1])
+
+
+def _by_components(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:
+    """Return the state under loads by components, in their plane and by components."""
+    import numpy as np
+
+    from pysprings.macro import predict
+    from pysprings.macro.directions import in_plane, off_plane, with_components
+    from pysprings.macro.stiffness import torsion_of
+
+    x, y, about_x, about_y, T = (getattr(question, name) or 0.0 for name in ("Hx", "Hy", "Mx", "My", "T"))
+    loads = in_plane(np.array([[x, y]]), np.array([[about_y, -about_x]]))
+    if across := float(loads.across[0]):
+        refuse("--Mx", f"{off_plane(across)} (`design` answers a bound)")
+    if T and common["strict"]:
+        refuse("--T", "springs answer torsion by their stiffness at rest alone")
+    H, M = float(loads.H[0]), float(loads.M[0])
+    state = predict.way_to_load(springs, H=H, M=M, V=question.V, **common).isel(step=[-1])
+    return with_components(state, loads, np.array([T]), torsion_of(springs))
 
 
 def _tilted(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:

@@ -18,7 +18,8 @@ from pysprings.core.words import RANGE_END
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 
-MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded")
+MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded",
+         "linear_twist")  # fmt: skip
 COLUMNS = (
     Column("u [mm]", "u", ".5g", 1e3),
     Column("w [mm]", "w", ".5g", 1e3),
@@ -26,6 +27,9 @@ COLUMNS = (
     Column("H [kN]", "H", ".5g", 1e-3),
     Column("V [kN]", "V", ".5g", 1e-3),
     Column("M [kN m]", "M", ".5g", 1e-3),
+    Column("direction [deg]", "direction", ".5g", 180.0 / math.pi),
+    Column("T [kN m]", "T", ".5g", 1e-3),
+    Column("twist [mrad]", "rot_z", ".5g", 1e3),
     Column("marks", lambda row: ", ".join(name for name in MARKS if row.get(name)), words=True),
 )
 LOADS = ("H", "V", "M")

@@ -15,14 +15,17 @@ from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
+from pysprings.macro.directions import in_plane, off_plane, with_components
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
+from pysprings.macro.stiffness import torsion_of
 from pysprings.macro.vertical_answer import vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
+_GIVEN = ("H", "M", "V", "H_x", "H_y", "M_x", "M_y", "T", "direction", "rot_z")
 _MOTIONS = ("u", "w", "rotation", "stiffness")
 # attributes of one way of states: a batch has marks by case in their place
 _OF_A_WAY = ("warnings", "beyond_range", "refusals", "status", "message")
@@ -31,18 +34,27 @@ _OF_A_WAY = ("warnings", "beyond_range", "refusals", "status", "message")
 def predict_batch(
     springs: AnySprings | MacroModel,
     *,
-    H: float | Array,
+    H: float | Array | None = None,
     arm: float | Array | None = None,
     M: float | Array | None = None,
     V: float | Array | None = None,
+    H_x: float | Array | None = None,
+    H_y: float | Array | None = None,
+    M_x: float | Array | None = None,
+    M_y: float | Array | None = None,
+    T: float | Array | None = None,
     extrapolate: bool = False,
     **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Predict the motion under many independent loads (dimension case).
 
-    H [N], arm [m] or M [N m], and V [N] are numbers or arrays of one shape. Answer and marks of a case depend on that
-    case alone, bit for bit. A thousand cases take about a second; of springs at several vertical loads, where every V
-    has springs of its own, about fifteen. What `predict` raises or warns of is a mark by case here:
+    H [N], arm [m] or M [N m], and V [N] are numbers or arrays of one shape; or components, right-handed with z up: H_x,
+    H_y [N], M_x, M_y [N m] in place of H and M, and torsion T [N m]. Answers to these have their components, too
+    (`direction`, `u_x` ...). A case whose H and M do not lie in one vertical plane is not answered; with T `rot_z` is T
+    over the stiffness at rest (`linear_twist`; NaN where no full model has computed it), and T changes nothing else.
+    Answer and marks of a case depend on that case alone, bit for bit. A thousand cases take about a second; of springs
+    at several vertical loads, where every V has springs of its own, about fifteen. What `predict` raises or warns of is
+    a mark by case here:
 
     - `answered` 1: u, w, rotation and stiffness are the answer; 0: they are NaN, and `why_not` has the reason;
     - `extrapolated`: beyond the calibrated range, answered with extrapolate only;
@@ -55,12 +67,39 @@ def predict_batch(
     capacity, or only the end of what is known (`capacity_kind`, `capacity_from`). `stiffness` (case, dof,
     dof_conjugate) is the tangent.
     """
-    check_arrays(H=H, arm=arm, M=M, V=V)
-    given = np.broadcast_arrays(*loads_of(H, arm, M), np.asarray(np.nan if V is None else V, dtype=float))
-    force, moment, down = (np.atleast_1d(values).ravel() for values in given)
-    if not force.size:
+    check_arrays(H=H, arm=arm, M=M, V=V, H_x=H_x, H_y=H_y, M_x=M_x, M_y=M_y, T=T)
+    down, parts = np.nan if V is None else V, any(each is not None for each in (H_x, H_y, M_x, M_y))
+    if parts and not H is arm is M is None:
+        raise refused("H", "give H with arm or M, or components, not both")
+    if not parts and T is None:
+        force, moment, down = _columns(*loads_of(H, arm, M), down)
+        return answer_loads(springs, np.stack([force, moment], axis=1), down, extrapolate, **choice)
+    if not H is arm is M is None:
+        H_x, M_y = loads_of(H, arm, M)
+    given = (0.0 if each is None else each for each in (H_x, H_y, M_x, M_y, T))
+    x, y, about_x, about_y, torsion, down = _columns(*given, down)
+    loads = in_plane(np.stack([x, y], axis=1), np.stack([about_y, -about_x], axis=1))
+    source = springs if isinstance(springs, MacroModel) else typed(springs)
+    answers = answer_loads(source, np.stack([loads.H, loads.M], axis=1), down, extrapolate, **choice)
+    return _off_plane(with_components(answers, loads, torsion, torsion_of(source)), loads.across)
+
+
+def _columns(*values: float | Array) -> list[Array]:
+    """Return numbers and arrays of one shape as rows (n,)."""
+    columns = [np.atleast_1d(each).ravel() for each in np.broadcast_arrays(*(np.asarray(v, float) for v in values))]
+    if not columns[0].size:
         raise refused("H", "no load case is given")
-    return answer_loads(springs, np.stack([force, moment], axis=1), down, extrapolate, **choice)
+    return columns
+
+
+def _off_plane(answers: xr.Dataset, across: Array) -> xr.Dataset:
+    """Return answers without those to loads that have a moment (n,) [N m] across their plane."""
+    inside = xr.DataArray(across == 0.0, dims="case")
+    numbers = [str(name) for name, each in answers.items() if each.dtype.kind == "f" and name not in _GIVEN]
+    why = [off_plane(each) if each else text for text, each in zip(answers["why_not"].values, across, strict=True)]
+    values: dict[str, Any] = {name: answers[name].where(inside) for name in numbers}
+    values |= {name: (answers[name] * inside).astype(np.int8) for name in ("answered", "converged")}
+    return answers.assign(values | {"why_not": ("case", np.array(why, dtype=object))})
 
 
 def answer_loads(

@@ -22,6 +22,8 @@ from pysprings.core.files.storage import write_text
 from pysprings.core.text import number
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import answer_loads
+from pysprings.macro.directions import twist_of
+from pysprings.macro.stiffness import torsion_of
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
@@ -97,6 +99,11 @@ def answer_cases(
     if cases.aside.any():
         found = answer_loads(springs, bound.loads, cases.V, extrapolate, **choice)
     frame = _with_bounds(frame, cases, found)
+    frame["twist_rad"] = np.where(cases.torsion != 0.0, twist_of(cases.torsion, torsion_of(springs)), np.nan)
+    frame["marks"] = [
+        f"{text}; twist {number(1e3 * twist)} mrad at least (stiffness at rest)" if np.isfinite(twist) else text
+        for text, twist in zip(frame["marks"], frame["twist_rad"], strict=True)
+    ]
     frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
     return frame
 

@@ -22,6 +22,7 @@ from pysprings.core.tables.cells import text_of
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.text import number
 from pysprings.core.units import quoted
+from pysprings.macro.directions import ROUNDING, in_plane
 from pysprings.springs.checks import MOST_LETTERS
 
 Array = NDArray[np.float64]
@@ -44,8 +45,6 @@ COLUMNS = (
 _COMPONENTS = ("Fx_N", "Fy_N", "Fz_N", "Mx_Nm", "My_Nm")
 _FACTORS = ("factor", "factor_H", "factor_M", "factor_V")
 FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
-# A moment across the plane of the force up to this share of the moment is rounding of angles
-_ACROSS = 1e-6
 MOST_FACTOR = 10.0
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
@@ -318,25 +317,18 @@ def _one_text(table: Table, given: list[str], rows: Sequence[int]) -> str:
     return texts[0] if texts else ""
 
 
-def _in_plane(rows: Sequence[int], loads: dict[str, Array]) -> tuple[float, float, float, float]:
+def _in_plane(rows: Sequence[int], loads: dict[str, Array]) -> tuple[float, ...]:
     """Return H, M, the moment about the direction of H, and that direction, of the sum of some rows.
 
     Rows of one direction keep it; else it is that of the sum of H (H > 0), or, without H, that of the moment.
     """
     H, M = (np.array([math.fsum(column) for column in loads[name][rows].T]) for name in ("H", "M"))
     sizes = {name: math.fsum(np.hypot(*loads[name][rows].T)) for name in ("H", "M")}
-    acting = [k for k in rows if loads["H"][k].any() or loads["M"][k].any()]
+    acting, plane = [k for k in rows if loads["H"][k].any() or loads["M"][k].any()], None
     planes = set(loads["plane"][acting].tolist())
     if len(planes) == 1 and loads["has_plane"][acting].all():
         (angle,) = planes
-        plane = np.array([np.cos(angle), np.sin(angle)])
-    elif np.hypot(*H) > _ACROSS * sizes["H"]:
-        plane = H / np.hypot(*H)
-    elif np.hypot(*M) > _ACROSS * sizes["M"]:
-        plane = M / np.hypot(*M)
-    else:
-        plane = np.array([1.0, 0.0])
-    across = float(plane[1] * M[0] - plane[0] * M[1])
-    if abs(across) <= _ACROSS * sizes["M"]:
-        across = 0.0
-    return float(plane @ H), float(plane @ M), across, float(np.arctan2(plane[1], plane[0]))
+        plane = np.array([[np.cos(angle), np.sin(angle)]])
+    least = ROUNDING * np.array([[sizes["H"], sizes["M"]]])
+    (row,) = zip(*vars(in_plane(H[None], M[None], least, plane)).values(), strict=True)
+    return tuple(map(float, row))

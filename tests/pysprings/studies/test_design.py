@@ -20,6 +20,7 @@ from pysprings.studies.design import answer_cases
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
+from tests.support.synthetic import TORSION
 
 LINES = (
     "name,limit state,H [kN],arm [m],tilt [deg]",
@@ -98,6 +99,10 @@ def test_rows_aside_of_one_plane_are_answered_and_marked(springs, tmp_path: Path
     assert (table["remarks"].drop("below") == "").all() and table["marks"]["plain"] == ""
     assert table["marks"]["across"].startswith("no moment across the plane of H (900 kN m left out); bound: u ")
     assert table["marks"]["twist"].startswith("no torsion (90 kN m left out); bound: u ")
+    assert table["twist_rad"].dropna().to_dict() == pytest.approx(
+        dict.fromkeys(("twist", "twist alone"), 9e4 / TORSION)
+    )
+    assert table["marks"]["twist"].endswith(f"twist {1e3 * 9e4 / TORSION:.3g} mrad at least (stiffness at rest)")
     # the moment turned into the plane of H is that of the plain row; T/R grows H
     assert table["u_bound_m"]["across"] == pytest.approx(table["u_m"]["plain"], rel=1e-9)
     assert table["u_m"]["across"] < table["u_bound_m"]["across"] < table["u_bound_m"]["twist"]

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: MIT
+"""Loads in six components on springs that answer in one vertical plane, and their motions in components.
+
+Axes are right-handed with z up: x, y to its left seen from above; H at height h has M_y = H_x h and M_x = -H_y h. The
+caisson is the same in all directions: a load whose H and M lie in one vertical plane is answered there, and turned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core.text import number
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-6  # share of a moment up to which its part across the plane of H is rounding of angles
+_OFF_PLANE = "springs answer in one vertical plane"
+_LEAST = "rot_z is T over the torsional stiffness at rest, the least twist: H and T share friction, which is left out"
+_UNKNOWN = "T is left out: torsion is not known, as no full model has computed it"
+_RAD, _NM = ("radian", "rotation"), ("N m", "moment")
+_COMPONENTS = {
+    "u_x": ("m", "displacement of the lid centre"), "u_y": ("m", "displacement of the lid centre"),
+    "rot_x": _RAD, "rot_y": _RAD, "rot_z": ("radian", "twist"), "H_x": ("N", "lateral load"),
+    "H_y": ("N", "lateral load"), "M_x": _NM, "M_y": _NM, "T": ("N m", "torsion"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class InPlane:
+    """Loads (n,) in the vertical plane of their force, else of their moment.
+
+    Attributes
+    ----------
+    H, M : force [N] and moment [N m] in the plane; M = H h of a force at height h.
+    across : moment about the direction of the plane [N m], right-handed: it bends across the plane.
+    direction : of the plane [rad], from x towards y.
+    """
+
+    H: Array
+    M: Array
+    across: Array
+    direction: Array
+
+
+def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Array | None = None) -> InPlane:
+    """Return loads in their planes.
+
+    Parameters
+    ----------
+    force : (n, 2) H_x, H_y [N].
+    bending : (n, 2) moments in the planes of x and y, M_y and -M_x [N m].
+    least : (n, 2) force [N] and moment [N m] that are rounding; by default a share of the moment.
+    plane : (n, 2) unit vectors of the planes; by default along the force, else along the bending.
+    """
+    size, turn = np.hypot(*force.T), np.hypot(*bending.T)
+    least = np.stack([0.0 * size, ROUNDING * turn], axis=1) if least is None else least
+    if plane is None:
+        lead = np.where(
+            (size > least[:, 0])[:, None], force, np.where((turn > least[:, 1])[:, None], bending, [1.0, 0])
+        )
+        plane = lead / np.hypot(*lead.T)[:, None]
+    across = plane[:, 1] * bending[:, 0] - plane[:, 0] * bending[:, 1]
+    across = np.where(np.abs(across) <= least[:, 1], 0.0, across)
+    H, M = ((plane * each).sum(axis=1) for each in (force, bending))
+    return InPlane(H, M, across, np.arctan2(plane[:, 1], plane[:, 0]))
+
+
+def off_plane(across: float) -> str:
+    """Return why a load has no answer: its moment [N m] across its plane."""
+    return f"a moment of {number(1e-3 * abs(across))} kN m across the plane of H: {_OFF_PLANE}"
+
+
+def twist_of(T: Array, stiffness: float | None) -> Array:
+    """Return the linear twist [rad] under T [N m], for the torsional stiffness [N m/rad]; NaN where that is not known.
+
+    Without T it is 0.
+    """
+    twist: Array = np.where(T == 0.0, 0.0, np.nan if stiffness is None else T / (stiffness or 1.0))
+    return twist
+
+
+def with_components(answer: xr.Dataset, loads: InPlane, T: Array, stiffness: float | None) -> xr.Dataset:
+    """Return answers (dimension step or case) in the planes of loads with their components.
+
+    T (n,) [N m] and the torsional stiffness [N m/rad] give the twist (`twist_of`); `linear_twist` marks it.
+    """
+    dim, c, s = answer["u"].dims[0], np.cos(loads.direction), np.sin(loads.direction)
+    u, turn = answer["u"].values, answer["rotation"].values
+    values = {
+        "u_x": c * u, "u_y": s * u, "rot_x": -s * turn, "rot_y": c * turn, "rot_z": twist_of(T, stiffness),
+        "H_x": c * loads.H, "H_y": s * loads.H, "M_x": c * loads.across - s * loads.M,
+        "M_y": s * loads.across + c * loads.M, "T": T,
+    }  # fmt: skip
+    made = {name: (dim, value, dict(zip(("units", "long_name"), _COMPONENTS[name], strict=True)))
+            for name, value in values.items()}  # fmt: skip
+    turned = answer.assign(made).assign(
+        direction=(dim, loads.direction, {"units": "radian", "long_name": "plane of H and M, from x towards y"}),
+        linear_twist=(dim, ((T != 0.0) & (stiffness is not None)).astype(np.int8)),
+    )
+    remark = [] if not T.any() else [_UNKNOWN if stiffness is None else _LEAST]
+    return turned.assign_attrs(remarks=[*answer.attrs.get("remarks", ()), *remark])
