@@ -9,7 +9,7 @@ in simple shear and plane strain. Unloading follows Masing's rules. With g_s = s
 G/G_0 = 1/(1 + gamma G_0/s), and the damping ratio of a loop of this hyperbola goes to 2/pi.
 
 A table of G/G_0 by strain gives a polygon instead: elastic up to its first line, through all points of the table, and
-on along its last line up to the strength.
+on along its last line up to the strength. Contours of cyclic tests (`pack_contours`) give one that begins with G, too.
 """
 
 from __future__ import annotations
@@ -62,6 +62,44 @@ def pack_table(young: Any, poisson: Any, strength: Any, strain: Any, ratio: Any)
     return overlay.pack(
         young, poisson, 0.0, strength, *overlay.shares(tau[..., line], strain[line], slope, shear, strength)
     )
+
+
+def pack_contours(young: Any, poisson: Any, strength: Any, strain: Any, ratio: Any) -> np.ndarray:
+    """Return the packed parameters of a backbone through points far beyond the elastic strains.
+
+    From G = slope at 0 to the first point it is the hyperbola tau = gamma (G + b gamma)/(1 + a gamma) through the first
+    two points, or through the first alone (b = 0) where these bend more than a hyperbola; then lines from point to
+    point, and the last stress as the strength.
+
+    Parameters
+    ----------
+    young, poisson : elastic constants; Young's modulus in Pa.
+    strength : unit of the stresses in Pa, > 0; the first three may be arrays.
+    strain, ratio : engineering shear strain and stress in that unit, (n,), 2 to 6 points of a concave curve, the first
+        below G.
+    """
+    strain, ratio = np.asarray(strain, dtype=float), np.asarray(ratio, dtype=float)
+    unit = np.asarray(strength, dtype=float)
+    shear = np.broadcast_to(moduli(young, poisson)[1], np.broadcast_shapes(unit.shape, np.shape(young)))[..., None]
+    tau = ratio * unit[..., None]
+    secant = (tau / strain)[..., :2]
+    # G + b gamma = (tau/gamma) (1 + a gamma) at both points
+    bend = np.diff((secant - shear) / strain[:2], axis=-1) / -np.diff(secant, axis=-1)
+    bends = bend > 0.0
+    a = np.where(bends, bend, (shear / secant[..., :1] - 1.0) / strain[0])
+    b = np.where(bends, (secant[..., :1] - shear) / strain[0] + secant[..., :1] * a, 0.0)
+    on = tau[..., :1] * overlay.mobilised_shares(overlay.ELEMENTS - strain.size)
+    left = shear - a * on
+    gamma = 2.0 * on / (left + np.sqrt(left * left + 4.0 * b * on))  # root of tau (1 + a gamma) = gamma (G + b gamma)
+    below = 1.0 + a * gamma
+    slope = (shear + 2.0 * b * gamma - a * on) / below
+    lines = np.diff(tau, axis=-1) / np.diff(strain)
+    start = np.broadcast_to(strain[:-1], lines.shape)
+    stress, at, slope = (
+        np.concatenate(pair, axis=-1) for pair in ((on, tau[..., :-1]), (gamma, start), (slope, lines))
+    )
+    last = tau[..., -1]
+    return overlay.pack(young, poisson, 0.0, last, *overlay.shares(stress, at, slope, shear[..., 0], last))
 
 
 LAW = SoilLaw("iwan-clay", overlay.PARAMETERS, overlay.HISTORY, pack, overlay.elastic_moduli, overlay.update)

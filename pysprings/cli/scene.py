@@ -123,9 +123,16 @@ _GROUND = (
     Column("su compression [kPa]", "su_compression_Pa", factor=1e-3),
     Column("su direct shear [kPa]", "su_direct_shear_Pa", factor=1e-3),
     Column("su extension [kPa]", "su_extension_Pa", factor=1e-3),
+    Column("su after cycles [kPa]", "cyclic_strength_Pa", factor=1e-3),
     Column("alpha outside", "adhesion_factor_outside"),
     Column("alpha inside", "adhesion_factor_inside"),
 )
+
+
+_BACKBONE = (
+    Column("layer", "layer", words=True), Column("contours", "contours", words=True), Column("N", "cycles"),
+    Column("tau_a/su", "average"), Column("strain [%]", "strain", factor=100.0), Column("tau/su", "stress_over_su"),
+)  # fmt: skip
 
 
 def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
@@ -144,10 +151,13 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.all_paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
-    apart = ("ground", "left_out", "warnings", "defaulted")
+    apart = ("ground", "cyclic", "left_out", "warnings", "defaulted")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]
     print_table(Table("", ("quantity", "value"), rows))
     print_ground(about.get("ground", ()))
+    if rows := about.get("cyclic", ()):
+        print("\nbackbone after cycles: a hyperbola from G, then")
+        print_table(Table.of(filled(_BACKBONE, rows), rows))
     if rows := about.get("defaulted", ()):
         print("\ndefaults, which this scene does not give:")
         print_table(Table("", ("key", "value"), [(row["key"], value_text(row)) for row in rows]))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +17,7 @@ from pysprings.scene.by_depth import ByDepth, Value, follows_stress
 from pysprings.scene.extent import Extent
 from pysprings.scene.sections import BY_LAYER, Layer, Soil
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
-from pysprings.scene.soils.clay import REDUCTION, Pairs, factors_of
+from pysprings.scene.soils.clay import TABLES, factors_of
 from pysprings.scene.soils.law import SoilLaw
 
 _OF_ELASTIC = ("poisson_ratio", "K0", "effective_unit_weight", "hydraulic_conductivity")
@@ -30,7 +30,7 @@ class Stratum:
     """A layer between two depths (m) with the values of its soil.
 
     ``above`` is the vertical effective stress (Pa) at its top; ``number`` its place among the layers of the scene.
-    ``reduction`` is its table of G/G_0 by shear strain.
+    ``tables`` are those of its law by key, None for one that is not given.
     ``like`` is the law of the soil above, where this is the elastic ground below it; ``drainage`` is the layer's own.
     """
 
@@ -43,7 +43,7 @@ class Stratum:
     values: dict[str, Value]
     like: str = ""
     drainage: str | None = None
-    reduction: Pairs | None = None
+    tables: dict[str, Any] = field(default_factory=dict)
 
     def value(self, name: str, depth: np.ndarray) -> np.ndarray:
         """Return a value of the soil at depths (...,) of this layer; Young's modulus from what gives the stiffness."""
@@ -212,7 +212,7 @@ def in_layers(soil: Soil) -> Soil:
             "top": layer.top, "name": layer.name, "drainage": layer.drainage,
         }  # fmt: skip
         given |= {"law": law, **dict.fromkeys(BY_LAYER), **values_of(soil, layer)}
-        layers.append(Layer.model_construct(**given | {REDUCTION: _reduction(soil, layer, law)}))
+        layers.append(Layer.model_construct(**given | dict.fromkeys(TABLES) | _tables(soil, layer, law)))
     return Soil.model_construct(surcharge=soil.surcharge, layers=tuple(layers))
 
 
@@ -229,7 +229,7 @@ def make_ground(soil: Soil, extent: Extent) -> Ground:
         name, law = (layer.name, layer.law or soil.yield_surface) if layer else ("soil", soil.yield_surface)
         water = layer.drainage if layer else None
         strata.append(Stratum(number, name, law, top, bottom, above, values_of(soil, layer), drainage=water,
-                              reduction=_reduction(soil, layer, law)))  # fmt: skip
+                              tables=_tables(soil, layer, law)))  # fmt: skip
         above = float(strata[-1].vertical_stress(np.array(bottom)))
     if extent.depth > extent.ground:
         strata.append(_elastic(strata[-1], extent.depth, above))
@@ -286,10 +286,10 @@ def _elastic(above: Stratum, bottom: float, stress: float) -> Stratum:
     )  # fmt: skip
 
 
-def _reduction(soil: Soil, layer: Layer | None, law: str) -> Pairs | None:
-    """Return the table of G/G_0 of a layer of clay, that of the soil where it gives none."""
-    own: Pairs | None = getattr(layer, REDUCTION, None)
-    return (getattr(soil, REDUCTION) if own is None else own) if REDUCTION in SOIL_LAWS[law].keys else None
+def _tables(soil: Soil, layer: Layer | None, law: str) -> dict[str, Any]:
+    """Return the tables of a layer that its law has, those of the soil where it gives none."""
+    own = {name: getattr(layer, name, None) for name in TABLES if name in SOIL_LAWS[law].keys}
+    return {name: getattr(soil, name) if table is None else table for name, table in own.items()}
 
 
 def given_values(soil: Soil, layer: Layer | None) -> dict[str, Any]:

@@ -17,7 +17,6 @@ from pysprings.scene.ground import Stratum, given_values, make_ground
 from pysprings.scene.positions import Clash, KeyPath
 from pysprings.scene.sections import Layer, Soil, plain_field
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES, owners
-from pysprings.scene.soils.clay import REDUCTION
 
 
 def laws_of(soil: Soil) -> list[str]:
@@ -217,7 +216,7 @@ def uniform_soils(soil: Soil, domain: Extent) -> Iterator[tuple[Any, tuple[float
 def _at(stratum: Stratum, depth: float) -> dict[str, Any]:
     """Return the values of a layer at a depth (m), Young's modulus among them; None for those it does not have."""
     values = {name: float(stratum.value(name, np.array(depth))) for name in (*stratum.values, "young_modulus")}
-    return {**dict.fromkeys(LAW_KEYS), **values, REDUCTION: stratum.reduction}
+    return {**dict.fromkeys(LAW_KEYS), **values, **stratum.tables}
 
 
 def values_inside(soil: Soil, domain: Extent) -> Iterator[Clash]:

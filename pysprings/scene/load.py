@@ -40,6 +40,7 @@ from pysprings.scene.sections import (
     Solver,
     Springs,
 )
+from pysprings.scene.soils.cyclic import CYCLIC, read_files, titled
 
 __all__ = [
     "Caisson",
@@ -133,9 +134,12 @@ class SceneText:
         changed = applied(data, changes)
         if not data:
             _refuse(self.file, "the file is empty; `pysprings init` writes a commented scene")
+        folder = FilePath(self.file).parent if self.file else FilePath()
+        from_files, problems = read_files(data.get("soil"), folder)
+        in_tables = [*self._in_table, *problems]
         estimates, wrong = take_estimate(data, Scene.model_fields["title"].default)
         faults = {Fault((keys,), message): "" for keys, message in incomplete(data)}
-        if wrong and not self._in_table:
+        if wrong and not in_tables:
             faults[Fault((("soil", "estimate"),), wrong)] = ""
         scenes = []
         for estimate in estimates:
@@ -143,7 +147,7 @@ class SceneText:
                 values = picked(data, estimate)
                 scenes.append(Scene.model_validate(values, context=FROM_TOML, by_alias=True, by_name=False))
             except ValidationError as error:
-                found = _faults_of_values(error) if self._in_table else _all_faults(values, error)
+                found = _faults_of_values(error) if in_tables else _all_faults(values, error)
                 faults |= {fault: estimate for fault in found if fault not in faults}
         if faults:
             problems = [
@@ -151,12 +155,14 @@ class SceneText:
                 for fault, estimate in faults.items()
             ]
             problems = sorted(problems, key=lambda each: (each.line or 0, each.col or 0))
-            raise UserInputError([*problems, *self._in_table])
-        if self._in_table:
-            raise UserInputError(self._in_table)
+            raise UserInputError([*problems, *in_tables])
+        if in_tables:
+            raise UserInputError(in_tables)
         scene = scenes[0]
-        # a scene of a profile is written with its layers: it needs no other file then
-        if not self._profile and not changed:
+        cyclic = [stratum.tables.get(CYCLIC) for stratum in scene.ground.strata]
+        scene = scene.model_copy(update={"title": titled(scene.title, [each for each in cyclic if each])})
+        # a scene of a profile, or of contours, is written with their values: it needs no other file then
+        if not (self._profile or from_files or changed):
             scene._source = (self.text, scene.sha256)
         return scene
 

@@ -20,7 +20,7 @@ from pysprings.core.words import AUTO, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
-from pysprings.scene.soils.clay import REDUCTION
+from pysprings.scene.soils.clay import TABLES
 from pysprings.scene.then import Then, ThenList
 
 # pydantic annotations of the fields, short enough to be read as a table
@@ -227,7 +227,7 @@ def _layer_field(name: str) -> Any:
 
 
 _VALUES = {name: _layer_field(name) for name in SoilValues.model_fields if name not in _NOT_BY_LAYER}
-BY_LAYER = tuple(name for name in _VALUES if name != REDUCTION)  # the numbers of a layer
+BY_LAYER = tuple(name for name in _VALUES if name not in TABLES)  # the numbers of a layer
 if TYPE_CHECKING:
     Layer = LayerPlace
 else:

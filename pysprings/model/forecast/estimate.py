@@ -26,6 +26,7 @@ from pysprings.model.fourier import BuiltFourier, build
 from pysprings.model.stages import fast_paths, scene_warnings
 from pysprings.scene.defaults import remarks
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
+from pysprings.scene.soils.cyclic import CYCLIC
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -74,6 +75,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "domain": _domain(effect),
         "contact": _contact(scene),
         "ground": profile(scene),
+        **_cyclic(scene),
         "vertical_load_N": V,
         "defaulted": defaults_of(scene, V),
         "memory_GB": memory / 1e9,
@@ -83,6 +85,17 @@ def describe(scene: Scene) -> dict[str, Any]:
         "left_out": [omission.record() for omission in left_out(scene)],
         "warnings": warnings,
     }
+
+
+def _cyclic(scene: Scene) -> dict[str, list[dict[str, Any]]]:
+    """Return the points of backbones from contours of cyclic tests, one a row; nothing without any."""
+    found = ((stratum.name, stratum.tables.get(CYCLIC)) for stratum in scene.ground.strata)
+    rows = [
+        {"layer": name, "contours": each.name, "cycles": each.cycles, "average": each.average, "strain": strain,
+         "stress_over_su": stress}
+        for name, each in found if each for strain, stress in each.curve
+    ]  # fmt: skip
+    return {"cyclic": rows} if rows else {}
 
 
 def _with_pardiso(scene: Scene, unknowns: int, memory: float) -> dict[str, float]:

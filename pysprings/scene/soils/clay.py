@@ -21,14 +21,15 @@ from pysprings.core.units import quoted, show
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import Field, Interval, Number, Quantity, refuse
 from pysprings.scene.positions import Clash
+from pysprings.scene.soils.cyclic import CYCLIC, CyclicTable
 from pysprings.scene.soils.law import Soil, SoilLaw
 
 if TYPE_CHECKING:
     from pysprings.scene.ground import Stratum
 
 REDUCTION = "shear_modulus_reduction"
+TABLES = (REDUCTION, CYCLIC)  # of a layer, beside its numbers
 FACTORS = ("compression_factor", "direct_shear_factor", "extension_factor")
-Pairs = tuple[tuple[float, float], ...]
 
 MOST_POINTS = 10  # as `fe_engine.soil.iwan_clay`
 _STRAINS, _RATIOS = "[1e-7, 0.5]", "(0, 1]"
@@ -152,6 +153,7 @@ _OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside pla
 _HALF_TEXT = "engineering shear strain at su/2 (1.5 eps50 of a triaxial test)"
 _HALF = Number("[1e-6, 0.5]", _HALF_TEXT, 0.01, optional=True, common=(1e-3, 0.06))
 _TABLE = "backbone of iwan-clay: pairs of engineering shear strain and secant G/G_0, beside the stiffness"
+_CYCLIC = "backbone of iwan-clay from contours of cyclic tests at a number of cycles and tau_a/su, beside the stiffness"
 CLAY: dict[str, Field] = {
     "undrained_shear_strength": Profile(_SU), "rigidity_ratio": Profile(_RIGIDITY), "plasticity_index": Profile(_INDEX),
     "overconsolidation_ratio": Profile(_OCR), "strain_at_half_strength": Profile(_HALF),
@@ -207,9 +209,13 @@ class Tresca(SoilLaw):
         shear = self.measure * np.abs(1.0 - soil.K0) * soil.vertical_effective_stress
         return mobilised.pack(young, poisson, strength, np.maximum(scale, 0.0), shear / strength)
 
+    def strength(self, soil: Soil) -> float:
+        """Return the largest shear stress (Pa) of simple shear."""
+        return float(soil.undrained_shear_strength)
+
     def _initial(self, soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
         """Check that the geostatic stress is within the strength."""
-        strength = soil.undrained_shear_strength
+        strength = self.strength(soil)
         shear = self.measure * abs(1.0 - soil.K0) * max(stresses)
         most = strength if soil.strain_at_half_strength is None else strength * (1.0 - _ROUNDING)
         if shear > most + _ROUNDING * max(stresses):
@@ -279,14 +285,24 @@ class VonMises(Tresca):
 
 
 class IwanClay(Tresca):
-    """Von Mises elements in parallel: kinematic hardening along a hyperbola, or along a table of G/G_0 by strain."""
+    """Von Mises elements in parallel: kinematic hardening along a hyperbola, a table of G/G_0, or cyclic contours."""
 
     name = "iwan-clay"
-    keys: ClassVar[Mapping[str, Field]] = CLAY | {REDUCTION: ReductionTable(_TABLE)}
+    keys: ClassVar[Mapping[str, Field]] = CLAY | {REDUCTION: ReductionTable(_TABLE), CYCLIC: CyclicTable(_CYCLIC)}
     measure = VonMises.measure
 
     def faults(self, soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
-        """Check that a table of G/G_0 stands alone, and that its stresses are within the strength."""
+        """Check that a backbone stands alone, and that its stresses are within the strength and below those of G."""
+        if (cyclic := getattr(soil, CYCLIC)) is not None:
+            for other in ("strain_at_half_strength", REDUCTION):
+                if getattr(soil, other) is not None:
+                    yield Clash((("soil", CYCLIC), ("soil", other)), f"cannot be used with {other}")
+            (strain, ratio), strength = cyclic.curve[0], soil.undrained_shear_strength
+            shear = soil.young_modulus / (2.0 * (1.0 + soil.poisson_ratio))
+            if shear * strain <= ratio * strength:
+                text = f"its first contour, {ratio:g} su at {100.0 * strain:g} %, is stiffer than G: G/su must be more"
+                keys = tuple(("soil", name) for name in (CYCLIC, "rigidity_ratio", "undrained_shear_strength"))
+                yield Clash(keys, f"{text} than {ratio / strain:.4g}, not {shear / strength:.4g}")
         if (pairs := getattr(soil, REDUCTION)) is not None:
             if soil.strain_at_half_strength is not None:
                 pair = ("soil", REDUCTION), ("soil", "strain_at_half_strength")
@@ -300,12 +316,24 @@ class IwanClay(Tresca):
                 yield Clash(keys, f"gives {at}, more than su ({show(strength, 'kPa')})")
         yield from super().faults(soil, stresses)
 
+    def strength(self, soil: Soil) -> float:
+        cyclic = getattr(soil, CYCLIC)
+        return float(soil.undrained_shear_strength * (1.0 if cyclic is None else cyclic.curve[-1][1]))
+
+    def shown(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
+        cyclic = stratum.tables[CYCLIC]
+        if cyclic is None:
+            return {}
+        return {"cyclic_strength_Pa": float(stratum.value("undrained_shear_strength", depth)) * cyclic.curve[-1][1]}
+
     def pack(self, stratum: Stratum, soil: Soil) -> np.ndarray:
         from fe_engine.soil import iwan_clay, mobilised
 
         young, poisson, strength = soil.young_modulus, soil.poisson_ratio, soil.undrained_shear_strength
-        if stratum.reduction is not None:
-            return iwan_clay.pack_table(young, poisson, strength, *np.array(stratum.reduction).T)
+        if (pairs := stratum.tables[REDUCTION]) is not None:
+            return iwan_clay.pack_table(young, poisson, strength, *np.array(pairs).T)
+        if (cyclic := stratum.tables[CYCLIC]) is not None:
+            return iwan_clay.pack_contours(young, poisson, strength, *np.array(cyclic.curve).T)
         shear = young / (2.0 * (1.0 + poisson))
         half = getattr(soil, "strain_at_half_strength", None)
         scale = strength / shear if half is None else np.maximum(mobilised.scale_of(half, strength, shear), 0.0)

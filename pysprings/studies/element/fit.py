@@ -154,6 +154,6 @@ def refused(stratum: Stratum, depth: float) -> list[str]:
     """Return what the checks of the law find wrong with the values of a layer at a depth (m)."""
     z = np.array(depth)
     values = {name: float(stratum.value(name, z)) for name in (*stratum.values, "young_modulus")}
-    soil = dict.fromkeys(LAW_KEYS) | values | {"surcharge": stratum.above, "shear_modulus_reduction": stratum.reduction}
+    soil = dict.fromkeys(LAW_KEYS) | values | stratum.tables | {"surcharge": stratum.above}
     found = SOIL_LAWS[stratum.law].faults(SimpleNamespace(**soil), (stratum.above, stratum.above))
     return [f"{'.'.join(map(str, clash.keys[0]))}: {clash.message}" for clash in found]

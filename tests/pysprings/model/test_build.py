@@ -24,6 +24,7 @@ from pysprings.model.forecast.omissions import left_out
 from pysprings.model.stages import path_stages
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
+from pysprings.scene.soils.clay import TABLES
 from pysprings.scene.space import TURNS
 from pysprings.scene.toml import field_of
 from tests.support import tiny
@@ -196,6 +197,7 @@ CHANGES: dict[tuple[str, str], Any] = {
     ("soil", "rigidity_ratio"): 100.0,
     ("soil", "strain_at_half_strength"): 0.02,
     ("soil", "shear_modulus_reduction"): [[1e-4, 0.9], [1e-3, 0.5], [1e-2, 0.1]],
+    ("soil", "cyclic"): {"contours": [[9, 0, 0.4, 0, 0.01], [9, 0, 0.5, 0, 0.1]], "cycles": 9.0},
     ("soil", "plasticity_index"): 40.0,
     ("soil", "overconsolidation_ratio"): 2.0,
     **{("soil", name): 1.2 for name in FACTORS},
@@ -318,7 +320,7 @@ def test_every_field_changes_some_output(section: str, name: str, base_outputs: 
         scene = scene.replace(**CLAY).replace(soil={"yield_surface": "von-mises"} if name in FACTORS else {})
     if name in ("plasticity_index", "overconsolidation_ratio"):
         scene = scene.replace(soil={"rigidity_ratio": None, "plasticity_index": 30.0})
-    if name == "shear_modulus_reduction":
+    if name in TABLES:
         scene = scene.replace(**CLAY).replace(soil={"yield_surface": "iwan-clay"})
     if name in OF_SAND:
         scene = scene.replace(soil=tiny.only(yield_surface="sand", relative_density=0.5, K0=0.6))

@@ -10,6 +10,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.scene.defaults import RANGES, defaulted, defaulted_text, remarks
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.sections import plain_field
+from pysprings.scene.soils.clay import TABLES
 from tests.support import tiny
 from tests.support.commands import command
 
@@ -124,7 +125,7 @@ def test_every_number_of_the_ground_and_the_caisson_has_a_range() -> None:
     free = {"young_modulus", "shear_modulus", "rigidity_ratio", "overconsolidation_ratio", "degradation_limit",
             "friction_angle_initial", "surcharge"}  # fmt: skip
     scene = tiny.sand()
-    keys = {*type(scene.soil).model_fields} - free - {"yield_surface", "layers", "shear_modulus_reduction"}
+    keys = {*type(scene.soil).model_fields} - free - {"yield_surface", "layers", *TABLES}
     assert [key for key in keys if plain_field(key).common is None] == []
     numbers = {f"caisson.{key}" for key in type(scene.caisson).model_fields} - {"caisson.behaviour"}
     assert numbers <= {*RANGES}

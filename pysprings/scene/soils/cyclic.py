@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: MIT
+"""Backbone of clay after cycles, from contours of cyclic tests, at an equivalent number of cycles and average shear.
+
+A row of contours has N, the average and the cyclic shear stress over su, and the average and the cyclic shear strain
+that they have made after N cycles (Andersen 2015). Rows of one N and one tau_a/su are a curve at the peak of a cycle,
+
+    tau = tau_a + tau_cy      over      gamma = gamma_a + gamma_cy,
+
+linear in log(gamma) between its rows. Between curves tau at a strain is linear in tau_a/su and in log(N). The strains
+of the backbone are those of the curves around it, and lines between them; before the first of them it is the hyperbola
+of `fe_engine.soil.iwan_clay.pack_contours`, behind the last one the strength. Nothing beyond the contours is made up.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables import Column, one_table
+from pysprings.core.units import quoted
+from pysprings.scene.fields import Field, Interval, Number, Text, refuse
+
+Array = NDArray[np.float64]
+Pairs = tuple[tuple[float, float], ...]
+
+CYCLIC = "cyclic"
+MOST_STRAINS = 6  # of the backbone: lines between them, and those of the hyperbola, are elements of the law
+_ROUND = 0.02  # share of the stress by which a point may lie below the line between its neighbours
+_COLUMNS = (
+    Column("N", "1", ("number of cycles", "cycles")), Column("tau_a/su", "1", ("tau a/su", "average stress/su")),
+    Column("tau_cy/su", "1", ("tau cy/su", "cyclic stress/su")),
+    Column("gamma_a", "1", ("gamma a", "average shear strain"), percent=0.01),
+    Column("gamma_cy", "1", ("gamma cy", "cyclic shear strain"), percent=0.01),
+)  # fmt: skip
+_INTERVALS = ("[1, 1e9]", "[0, 2]", "[0, 5]", "[0, 1]", "[0, 1]")
+_KEYS: dict[str, Field] = {
+    "cycles": Number("[1, 1e9]", "equivalent number of cycles", 10.0), "average": Number("[0, 2]", "tau_a/su", 0.0),
+    "name": Text("name of the table"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Cyclic:
+    """Contours: rows (n, 5) of N, tau_a/su, tau_cy/su, gamma_a, gamma_cy; N and tau_a/su; the name of the table."""
+
+    contours: tuple[tuple[float, ...], ...]
+    cycles: float
+    average: float
+    name: str
+
+    @cached_property
+    def curve(self) -> Pairs:
+        """Strain and tau/su of the backbone, from its first contour to its last one.
+
+        Raises
+        ------
+        ValueError
+            N or tau_a/su outside the contours, or contours that are no curve.
+        """
+        rows = np.array(self.contours)
+        numbers = np.unique(rows[:, 0])
+        curves = []
+        for number, share in _around(numbers, self.cycles, "cycles", math.log):
+            own = rows[rows[:, 0] == number]
+            curves += [
+                (_curve(own[own[:, 1] == each]), share * part)
+                for each, part in _around(np.unique(own[:, 1]), self.average, "average", float, f" at N {number:g}")
+            ]
+        low, high = max(strain[0] for (strain, _), _ in curves), min(strain[-1] for (strain, _), _ in curves)
+        strain = np.unique([each for (own, _), _ in curves for each in own if low <= each <= high])
+        if len(strain) < 2:
+            raise ValueError("the contours around it have fewer than two strains in common")
+        stress = sum(share * np.interp(np.log(strain), np.log(own), tau) for (own, tau), share in curves)
+        return _bent(strain, np.asarray(stress))
+
+    @property
+    def text(self) -> str:
+        """What titles and heads of files have."""
+        return f"cyclic: {self.name}, N {self.cycles:g}, tau_a/su {self.average:g}"
+
+
+def _around(levels: Array, value: float, key: str, scale: Any, where: str = "") -> Iterator[tuple[float, float]]:
+    """Yield the levels on both sides of a value, with their shares on a scale; that level alone which it meets."""
+    low, high = float(levels[0]), float(levels[-1])
+    if not low <= value <= high:
+        raise ValueError(f"{key}: {value:g} is outside the contours{where}, {low:g} to {high:g}")
+    at = int(np.searchsorted(levels, value))
+    if levels[at] == value:
+        yield value, 1.0
+        return
+    below, above = float(levels[at - 1]), float(levels[at])
+    share = (scale(value) - scale(below)) / (scale(above) - scale(below))
+    yield from ((below, 1.0 - share), (above, share))
+
+
+def _curve(rows: Array) -> tuple[Array, Array]:
+    """Return strain and tau/su, rising, of the rows of one N and tau_a/su."""
+    strain, stress = rows[:, 3] + rows[:, 4], rows[:, 1] + rows[:, 2]
+    order = np.argsort(strain)
+    strain, stress = strain[order], stress[order]
+    where = f"N {rows[0, 0]:g}, tau_a/su {rows[0, 1]:g}"
+    if len(strain) < 2 or strain[0] <= 0.0:
+        raise ValueError(f"the curve of {where} needs two rows at least, with strains above 0")
+    if (np.diff(strain) <= 0.0).any() or (np.diff(stress) < 0.0).any():
+        raise ValueError(f"the curve of {where} has one stress for each strain, which does not fall")
+    return strain, stress
+
+
+def _bent(strain: Array, stress: Array) -> Pairs:
+    """Return the points of a curve that bends downwards, at most `MOST_STRAINS`: the others change it least."""
+    points = list(zip(strain.tolist(), stress.tolist(), strict=True))
+    while len(points) > 2:
+        rises = [_above(*points[k - 1 : k + 2]) for k in range(1, len(points) - 1)]
+        if min(rises) < -_ROUND:
+            at = points[int(np.argmin(rises)) + 1][0]
+            raise ValueError(f"the backbone of the contours bends upwards at a strain of {100.0 * at:.3g} %")
+        if len(points) <= MOST_STRAINS and min(rises) > 0.0:
+            break
+        del points[int(np.argmin(rises)) + 1]
+    return tuple((float(f"{x:.6g}"), float(f"{t:.6g}")) for x, t in points)
+
+
+def _above(before: tuple[float, float], at: tuple[float, float], after: tuple[float, float]) -> float:
+    """Return by which share of it the stress of a point is above the line between its neighbours."""
+    line = before[1] + (after[1] - before[1]) * (at[0] - before[0]) / (after[0] - before[0])
+    return 1.0 - line / at[1]
+
+
+@dataclass(frozen=True)
+class CyclicTable(Field):
+    """A table { contours = "file.csv", cycles = 10, average = 0.3 }; where the file is read, contours are its rows."""
+
+    text: str
+
+    def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if value is None or isinstance(value, Cyclic):
+            return value
+        given = {"average": 0.0, "name": "contours", **value} if isinstance(value, Mapping) else {}
+        if set(given) != {"contours", *_KEYS}:
+            raise refuse(
+                f'expected a table {{ contours = "file.csv", cycles = 10, average = 0.3 }}, got {quoted(value)}'
+            )
+        wrong, read = [], {}
+        for name, field in _KEYS.items():
+            try:
+                read[name] = field.validate(given[name], info)
+            except PydanticCustomError as error:
+                wrong.append(f"{name}: {error.message()}")
+        rows = given["contours"]
+        try:
+            found = np.array(rows, dtype=float).reshape(-1, len(_COLUMNS)).tolist()
+        except (TypeError, ValueError):
+            wrong.append(
+                f"contours: expected a table of a file, or rows of {len(_COLUMNS)} numbers, got {quoted(rows)}"
+            )
+        if not wrong:
+            cyclic = Cyclic(tuple(map(tuple, found)), **read)
+            try:
+                return cyclic if cyclic.curve else None
+            except ValueError as error:
+                wrong = [str(error)]
+        raise refuse("; ".join(wrong))
+
+    def schema(self) -> dict[str, Any]:
+        contours = {"anyOf": [{"type": "string"}, {"type": "array"}]}
+        properties = {"contours": contours, **{name: field.schema() for name, field in _KEYS.items()}}
+        return {"description": self.text, "type": "object", "additionalProperties": False,
+                "required": ["contours", "cycles"], "properties": properties}  # fmt: skip
+
+    def in_toml(self, value: Any) -> Any:
+        if value is None:
+            return value
+        rows = [list(row) for row in value.contours]
+        return {"contours": rows, "cycles": value.cycles, "average": value.average, "name": value.name}
+
+
+def read_contours(file: Path) -> list[list[float]]:
+    """Return rows of N, tau_a/su, tau_cy/su, gamma_a, gamma_cy of a table; averages that it does not have are 0.
+
+    Raises
+    ------
+    UserInputError
+        One problem per thing that is wrong with the table: file, line, column and value.
+    """
+    table = one_table(file, _COLUMNS, "contours")
+    for each in ("N", "tau_cy/su", "gamma_cy"):
+        if each not in table:
+            table.fault(None, None, f"no column '{each}': contours have N, tau_a/su, tau_cy/su, gamma_a, gamma_cy")
+    table.faults.stop()
+    columns = []
+    for column, interval in zip(_COLUMNS, _INTERVALS, strict=True):
+        values = table.numbers(column.name, most=False) if column.name in table else np.zeros(len(table))
+        for k in range(len(table)):
+            if not Interval(interval).holds(float(values[k])):
+                table.fault(k, column.name, f"{values[k]:g} is not in {interval}")
+        columns.append(values)
+    table.faults.stop()
+    if not len(table):
+        raise UserInputError([Problem(str(file), message="holds no contours: expected a heading and a row for each")])
+    return [[float(f"{each:.9g}") for each in row] for row in np.stack(columns, axis=1).tolist()]
+
+
+def read_files(soil: Any, folder: Path) -> tuple[bool, list[Problem]]:
+    """Put the rows of tables into the `cyclic` of a soil and its layers in the data of a scene.
+
+    Return whether there are any, and what is wrong with them.
+    """
+    found, problems = False, list[Problem]()
+    layers = soil.get("layer", ()) if isinstance(soil, dict) else ()
+    for table in (soil, *(layers if isinstance(layers, list) else ())):
+        given = table.get(CYCLIC) if isinstance(table, dict) else None
+        if not isinstance(given, dict) or not isinstance(given.get("contours"), str):
+            continue
+        found, file = True, folder / given["contours"]
+        try:
+            table[CYCLIC] = {**given, "contours": read_contours(file), "name": file.name}
+        except UserInputError as error:
+            problems += [each for each in error.problems if each not in problems]
+            del table[CYCLIC]
+    return found, problems
+
+
+def titled(title: str, found: Sequence[Cyclic]) -> str:
+    """Return a title that names the contours of a scene, N and tau_a/su, in place of those that it names."""
+    plain, texts = re.sub(r" \(cyclic: [^)]*\)", "", title), dict.fromkeys(each.text for each in found)
+    mark = f" ({'; '.join(texts)[:150]})"
+    return plain[: 200 - len(mark)] + mark if texts else plain

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""Backbones of clay from contours of cyclic tests: interpolation by hand, G and contours in a DSS test, refusals."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pysprings.core.errors import UserInputError
+from pysprings.model.element import KINDS, element_test, specimen
+from pysprings.scene.load import Scene, load_scene, parse_scene
+from tests.support.commands import command
+
+SCENE = """
+title = "Storm"
+[soil]
+yield_surface = "iwan-clay"
+undrained_shear_strength = { top = "10 kPa", gradient = "2 kPa/m" }
+rigidity_ratio = 600
+effective_unit_weight = "8 kN/m^3"
+cyclic = { contours = "drammen.csv", cycles = 10 }
+[domain]
+radius = "40 m"
+depth = "20 m"
+[interface]
+adhesion_factor = 0.65
+[[path]]
+name = "a"
+kind = "pull"
+lateral_displacement = "1 mm"
+"""
+# Andersen's diagram of Drammen clay in DSS, OCR 1, tau_a = 0, as read off in groundhog 0.15 (soildynamics)
+DRAMMEN = {1: (0.628, 0.783, 0.928, 1.211), 10: (0.603, 0.727, 0.820, 0.924), 100: (0.545, 0.613, 0.668, 0.710),
+           1000: (0.460, 0.490, 0.511, 0.530)}  # fmt: skip
+STRAINS = (0.005, 0.01, 0.03, 0.15)
+# two averages; strains of the averages in %
+AVERAGES = """\
+N;tau_a/su;tau_cy/su;gamma_a [%];gamma_cy [%]
+10;0;0.4;0;0.5
+10;0;0.8;0;4
+10;0.4;0.2;0.3;0.2
+10;0.4;0.5;1;3
+"""
+
+
+def rows() -> str:
+    lines = [f"{N},{t},{100 * g}" for N, own in DRAMMEN.items() for t, g in zip(own, STRAINS, strict=True)]
+    return "N,tau_cy/su,gamma_cy [%]\n" + "\n".join(lines) + "\n"
+
+
+def scene(tmp_path: Path, change: tuple[str, str] = ("", ""), table: str | None = None) -> Scene:
+    (tmp_path / "drammen.csv").write_text(rows() if table is None else table)
+    (tmp_path / "c.toml").write_text(SCENE.replace(*change))
+    return load_scene(tmp_path / "c.toml")
+
+
+def curve(given: Scene) -> tuple[tuple[float, float], ...]:
+    return given.ground.strata[0].tables["cyclic"].curve
+
+
+@pytest.mark.parametrize("cycles", [1, 10, 1000])
+def test_a_backbone_at_a_number_of_the_contours_is_theirs(tmp_path, cycles) -> None:
+    given = scene(tmp_path, ("cycles = 10", f"cycles = {cycles}"))
+    assert curve(given) == tuple(zip(STRAINS, DRAMMEN[cycles], strict=True))
+
+
+def test_between_contours_stress_is_linear_in_log_of_the_number_of_cycles(tmp_path) -> None:
+    share = np.log(3.0) / np.log(10.0)
+    found = np.array(curve(scene(tmp_path, ("cycles = 10", "cycles = 30"))))
+    assert found[:, 1] == pytest.approx(
+        (1.0 - share) * np.array(DRAMMEN[10]) + share * np.array(DRAMMEN[100]), rel=1e-5
+    )
+
+
+def test_strains_of_both_curves_count_where_they_differ_in_log_of_strain(tmp_path) -> None:
+    """tau/su 0.4 at 1 % and 0.6 at 4 % at N 1: 0.5 at 2 %; 0.2 at 0.5 %, 0.4 at 2 % and 0.5 at 8 % at N 100."""
+    table = "N,tau_cy/su,gamma_cy [%]\n1,0.4,1\n1,0.6,4\n100,0.2,0.5\n100,0.4,2\n100,0.5,8\n"
+    found = curve(scene(tmp_path, ("cycles = 10", "cycles = 10"), table))
+    assert np.array(found) == pytest.approx(np.array([(0.01, 0.35), (0.02, 0.45), (0.04, 0.525)]), rel=1e-5)
+
+
+def test_average_and_cyclic_parts_are_added(tmp_path) -> None:
+    """At tau_a/su 0.4: 0.6 at 0.5 %, 0.9 at 4 %; at 0.2 the mean of these and of 0.4, 0.8."""
+    own = scene(tmp_path, ("cycles = 10", "cycles = 10, average = 0.4"), AVERAGES)
+    assert curve(own) == ((0.005, 0.6), (0.04, 0.9)) and "tau_a/su 0.4" in own.title
+    half = scene(tmp_path, ("cycles = 10", "cycles = 10, average = 0.2"), AVERAGES)
+    assert curve(half) == ((0.005, 0.5), (0.04, 0.85))
+
+
+def sheared(given: Scene, strain: float) -> np.ndarray:
+    """Return tau/su of a DSS test at 5 m, where su is 20 kPa, up to a shear strain."""
+    kind = KINDS["dss"]
+    point = specimen(given.ground.strata[0], kind, 50e3, 5.0)
+    return element_test(point, kind, 5.0, False, strain).columns()["shear_stress_Pa"] / 20e3
+
+
+@pytest.mark.parametrize("rigidity", [150.0, 600.0, 2000.0])
+def test_a_simple_shear_test_begins_with_the_stiffness_and_meets_every_contour(tmp_path, rigidity) -> None:
+    given = scene(tmp_path, ("ratio = 600", f"ratio = {rigidity}"))
+    assert sheared(given, 2e-6)[-1] == pytest.approx(2e-6 * rigidity, rel=0.01)
+    assert [sheared(given, each)[-1] for each in STRAINS] == pytest.approx(DRAMMEN[10], rel=1e-6)
+    assert sheared(given, 0.3)[-1] == pytest.approx(0.924, rel=1e-6)
+
+
+def test_a_contour_on_the_elastic_line_joins_by_a_hyperbola_through_it_alone(tmp_path) -> None:
+    """tau/su 0.1 at 0.02 % is 500 su, near G/su of 600; the second contour is far below it."""
+    table = "N,tau_cy/su,gamma_cy [%]\n10,0.10,0.02\n10,0.3,0.1\n10,0.8,5\n"
+    found = [sheared(scene(tmp_path, table=table), each)[-1] for each in (2e-6, 2e-4, 1e-3, 0.05)]
+    assert found == pytest.approx([2e-6 * 600.0, 0.1, 0.3, 0.8], rel=1e-3)
+
+
+def test_a_scene_holds_its_contours_and_names_them(tmp_path) -> None:
+    """Its text needs no file, and another number of cycles changes backbone and title."""
+    given = scene(tmp_path)
+    assert given.title == "Storm (cyclic: drammen.csv, N 10, tau_a/su 0)"
+    (tmp_path / "drammen.csv").unlink()
+    assert parse_scene(given.source_text) == given
+    other = parse_scene(given.source_text, changes=["soil.cyclic.cycles=100"])
+    assert other.title == "Storm (cyclic: drammen.csv, N 100, tau_a/su 0)" and curve(other)[0] == (0.005, 0.545)
+    assert given.sha256 != other.sha256
+
+
+def test_the_number_of_cycles_may_have_a_range(tmp_path) -> None:
+    scene(tmp_path, ("cycles = 10", "cycles = { low = 1000, best = 100, high = 10 }"))
+    text = (tmp_path / "c.toml").read_text()
+    found = [parse_scene(text, str(tmp_path / "c.toml"), [f"soil.estimate={each}"]) for each in ("low", "best", "high")]
+    assert [curve(each)[-1][1] for each in found] == [0.53, 0.71, 0.924]
+    assert found[0].title == "Storm (low estimate) (cyclic: drammen.csv, N 1000, tau_a/su 0)"
+
+
+def test_check_prints_the_backbone(tmp_path) -> None:
+    scene(tmp_path)
+    text = command("check", tmp_path / "c.toml").out
+    assert "su after cycles [kPa]" in text and "9.24" in text
+    assert [line.split()[-2:] for line in text.splitlines() if "drammen.csv" in line][1:] == [
+        [f"{100 * g:g}", f"{t:g}"] for g, t in zip(STRAINS, DRAMMEN[10], strict=True)]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "table", "message"),
+    [
+        (("cycles = 10", "cycles = 5000"), None,
+         "c.toml:8:10: soil.cyclic: cycles: 5000 is outside the contours, 1 to 1000"),
+        (("cycles = 10", "cycles = 10, average = 0.3"), None,
+         "average: 0.3 is outside the contours at N 10, 0 to 0"),
+        (("cycles = 10", "cycles = 0.5"), None, "cycles: 0.5 is not in [1, 1e9]"),
+        (("cycles = 10", "average = 0.3"), None, "expected a table { contours = "),
+        (("drammen.csv", "none.csv"), None, "none.csv: no such file"),
+        (("", ""), "N,tau_cy/su\n1,0.5\n", "drammen.csv:1: no column 'gamma_cy'"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,,2\n", "drammen.csv:3: tau_cy/su: nan is not in [0, 5]"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n0,0.6,2\n", "drammen.csv:3: N: 0 is not in [1, 1e9]"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n", "the curve of N 10, tau_a/su 0 needs two rows at least"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.4,3\n", "which does not fall"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.52,2\n10,0.9,3\n", "bends upwards at a strain of 2 %"),
+        (("ratio = 600", "ratio = 100"), None, "is stiffer than G: G/su must be more than 120.6, not 100"),
+        (('"iwan-clay"', '"tresca"'), None, 'soil.cyclic: is not used by law "tresca"'),
+        (("cycles = 10 }", "cycles = 10 }\nstrain_at_half_strength = 0.01"), None,
+         "cannot be used with strain_at_half_strength"),
+        (("contours = \"drammen.csv\"", "contours = [[1, 2]]"), None, "rows of 5 numbers"),
+    ],
+)  # fmt: skip
+def test_contours_that_give_no_backbone_are_refused_in_one_line(tmp_path, change, table, message) -> None:
+    with pytest.raises(UserInputError) as error:
+        scene(tmp_path, change, table)
+    assert message in str(error.value) and "\n" not in str(error.value)
