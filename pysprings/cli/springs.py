@@ -13,6 +13,7 @@ from pysprings.cli.options import Json, Result, named
 from pysprings.cli.support import refuse, to_stderr
 from pysprings.core.files.written import note, own_folder
 from pysprings.core.text import plain_table
+from pysprings.core.words import Use
 from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS
 
@@ -26,18 +27,32 @@ def springs(
     ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write \\[default: stdout]")] = None,
     wide: Annotated[bool, typer.Option("--wide", help="csv: rows are steps, a pair of columns y, p a depth")] = False,
+    use: Annotated[
+        Use | None, typer.Option("--for", help="one set of curves for a beam program, with its error (csv, xlsx)")
+    ] = None,
+    depths: Annotated[
+        str | None, typer.Option("--depths", metavar="LIST", help='beam: depths, such as "0.5, 1.5, 2.5 m"')
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
-    chosen = "json" if as_json else _format(form, out)
+    chosen, options = "json" if as_json else _format(form, out), dict[str, str]()
     if wide and chosen not in ("csv", "wide"):
         refuse("--wide", f"is a form of csv, not of {chosen}")
+    if use is None and depths is not None:
+        refuse("--depths", "is an option of --for beam")
+    if use is not None:
+        if wide or chosen not in ("csv", "xlsx"):
+            refuse("--for", f"writes csv or xlsx, not {'--wide' if wide else chosen}")
+        if out is not None and out.suffix.lower() != f".{chosen}":
+            refuse("--out", f"the name of the file must end with .{chosen}", out)
+        chosen, options = use, {} if depths is None else {"depths": depths}
     chosen = "wide" if wide else chosen
-    tree = springs_of(result)
+    source = _export_source(result, EXPORTERS.find(chosen, "--for"))
     if out is None:
-        print(exporters.text(tree, chosen), end="")
+        print(exporters.text(source, chosen, **options), end="")
     else:
-        for path in exporters.export(tree, chosen, out).files:
+        for path in exporters.export(source, chosen, out, **options).files:
             print(path)
 
 

@@ -10,6 +10,7 @@ MOST_DRAWN = 6  # paths of a run that are all drawn
 
 MeshPreset = Literal["coarse", "medium", "paper", "fine"]
 Discretisation = Literal["hex8", "fourier"]
+Use = Literal["beam"]  # of `pysprings springs --for`
 ElementTest = Literal["triaxial", "triaxial-extension", "dss", "oedometer"]
 # largest error of a run in its load and p-y curves: see `pysprings.full_model.accuracy.presets`
 TargetError = Literal["5%", "2%", "1%", "0.5%"]

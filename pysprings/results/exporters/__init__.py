@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pysprings.core.registry import Registry
 from pysprings.results.exporters import (
+    beam,
     calculix,
     csv,
     openfast,
@@ -35,6 +36,7 @@ EXPORTERS: Registry[Exporter] = Registry(
         xlsx.XLSX,
         csv.NETCDF,
         csv.JSON,
+        beam.BEAM,
         paraview.PARAVIEW,
         openfast.OPENFAST,
         subdyn.SUBDYN,

@@ -16,6 +16,7 @@ from pysprings.springs.checks import name_fault
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
 FAMILIES = ("py", "mtheta", "base", "lid", "tz")
+OF_BEAM = {"m": "mtheta", "tip": "base"}  # words of `springs --for beam`
 TEXTS = ("path", "family", "side", "component")
 COLUMNS = tuple(Column(name, TEXT) if name in TEXTS else Column.named(name) for name in PY_COLUMNS)
 # Sheets that are not read: words and pictures.
@@ -70,7 +71,7 @@ def _typed(table: Table, family: str | None) -> pd.DataFrame:
     data |= {name: table.texts(name) if name in TEXTS else table.numbers(name) for name in PY_COLUMNS}
     frame = pd.DataFrame(data)
     _check_names(frame, table.faults)
-    frame["family"] = frame["family"].where(frame["family"] != "", family or "py")
+    frame["family"] = frame["family"].where(frame["family"] != "", family or "py").replace(OF_BEAM)
     known = frame["family"].isin(FAMILIES)
     for other in frame[~known].itertuples(index=False):
         table.faults.at(other, "family", f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}")

@@ -117,7 +117,7 @@ def test_a_file_of_every_run(folder: Path) -> None:
     [
         (
             ["--to", "toi"],
-            "--to: 'toi' is not one of csv, wide, xlsx, nc, json, paraview, openfast, subdyn, "
+            "--to: 'toi' is not one of csv, wide, xlsx, nc, json, beam, paraview, openfast, subdyn, "
             "opensees, calculix, sacs, toy",
         ),
         (["--to", "toy", "--option", "factor"], "--option: 'factor' is not NAME=VALUE"),

@@ -211,6 +211,6 @@ def test_export_by_form(springs, tmp_path):
         (file,) = exporters.export(springs, form, tmp_path / f"springs.{form}").files
         assert file.stat().st_size > 1000
     assert (tmp_path / "springs.csv").read_text() == exporters.text(springs, "csv")
-    with pytest.raises(UserInputError, match="'ods' is not one of csv, wide, xlsx, nc, json, paraview, openfast"):
+    with pytest.raises(UserInputError, match="'ods' is not one of csv, wide, xlsx, nc, json, beam, paraview, openfast"):
         exporters.export(springs, "ods", tmp_path / "x")
     assert not (tmp_path / "x").exists()

@@ -26,7 +26,7 @@ LINE_ENDS = ("\n", "\r\n", "\r", "\x0b", "\x0c", "\x85", "\u2028", "\u2029", "\x
 BODY = f"open('{MARK}','w') [open {MARK} w] exec(open {MARK}) *BOUNDARY {MARK} \"\"\" ''' */ int {MARK}; END \\"
 # texts that decide what the file is; another value is refused
 FIXED = {"schema", "kind", "role", "status", "Conventions", "drainage", "caisson_behaviour", "scene_toml"}
-MARKS = {"openfast": "!", "subdyn": "!", "opensees": "#", "calculix": "**", "sacs": "*"}
+MARKS = {"beam": "#", "openfast": "!", "subdyn": "!", "opensees": "#", "calculix": "**", "sacs": "*"}
 
 
 def hostile(end: str) -> xr.DataTree:

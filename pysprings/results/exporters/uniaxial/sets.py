@@ -9,7 +9,7 @@ comes from non-negative least squares over the loads of the fan, relative errors
 rows.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -170,7 +170,8 @@ def uniaxial(
     if not made.name:
         raise refused("springs", f"the set '{chosen}' has no springs")
     own = replace(model.on_rows(together(made, planes)), spring_set=chosen)
-    return Uniaxial(own, made, planes, (*_lateral(made, model), *_vertical(own)), tuple(lost))
+    heights = dict(zip(model.origin.depth.tolist(), slice_heights(model.origin.recorded).tolist(), strict=True))
+    return Uniaxial(own, made, planes, (*lateral(made, heights), *_vertical(own)), tuple(lost))
 
 
 def _represent(rows: SpringTable, path: SpringPath) -> tuple[SpringTable, list[str]]:
@@ -215,9 +216,8 @@ def _loaded(rows: SpringTable) -> SpringTable:
     return rows if len(carry) == len(rows.name) else stack(carry)
 
 
-def _lateral(rows: SpringTable, model: MacroModel) -> Iterator[Spring]:
-    """Yield the lateral and rotational springs of a plane."""
-    heights = dict(zip(model.origin.depth.tolist(), slice_heights(model.origin.recorded).tolist(), strict=True))
+def lateral(rows: SpringTable, heights: Mapping[float, float]) -> Iterator[Spring]:
+    """Yield the lateral and rotational springs of a plane; heights [m] of the slices by their depth."""
     for j, name in enumerate(rows.name):
         sideways = bool(rows.a[j, 0] != 0.0)
         k = 0 if sideways else 1
@@ -323,6 +323,8 @@ def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
                 of_role[words] = error, path.name
         if n < path.n:
             of_role[f"no equilibrium beyond state {n} of {path.name}"] = 0.0, ""
+        if beyond := int(answer["extrapolated"].sum()):
+            of_role[f"{beyond} of {n} states of {path.name} beyond the range of the springs"] = 0.0, ""
     lines = []
     for role, each in worst.items():
         parts = [f"{words} {error + 0.0:+.2f} % ({path})" if path else words for words, (error, path) in each.items()]

@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: MIT
+"""One set of curves for beam programs: p(y) of the pure translation, m(rotation) of the pure rotation, tip and lid.
+
+The families are those of the PISA project (Byrne et al. 2020) for a rigid caisson, at the depths that are asked for.
+Force and moment of p about the lid, and the sum of m, are those of the recorded states on any depths. Each curve grows
+with its displacement: what falls or pulls along is cut to the largest curve below it that does not, and the family is
+scaled down where its sum would be above the recorded one. The table states the error of a rigid beam on its straight
+lines on every path of the full model, and that of a beam on p(y) alone.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.core.path_kinds import HELD_BACK
+from pysprings.core.text import commented
+from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, write_text_file
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from pysprings.macro.curve_table import Row
+    from pysprings.springs.path import SpringPath
+    from pysprings.springs.springs import Springs
+
+    Array = NDArray[np.float64]
+
+COLUMNS = (
+    *("family", "depth_m", "y_m", "p_N_per_m", "rotation_rad", "m_Nm_per_m", "H_N", "M_Nm"),
+    *("depth_top_m", "depth_bottom_m"),
+)
+# spring -> family, displacement and reaction of the table
+PLACES = {
+    "p": ("py", "y_m", "p_N_per_m"), "m": ("m", "rotation_rad", "m_Nm_per_m"),
+    "H_tip": ("tip", "y_m", "H_N"), "M_tip": ("tip", "rotation_rad", "M_Nm"),
+    "H_lid": ("lid", "y_m", "H_N"), "M_lid": ("lid", "rotation_rad", "M_Nm"),
+}  # fmt: skip
+FAMILIES = ("py", "m", "tip", "lid")
+LEAST_CHANGE = 1e-3  # of the largest reaction of a curve: smaller corrections are not listed
+POINTS = 80  # of a curve: smooth curves and straight lines through them answer alike within 0.4 %
+BETWEEN = "straight lines between the points; curves are odd, and end with their range: beyond it nothing was computed"
+FRAME = "depth down from mudline; y and H along the load; rotation and M positive where the caisson leans towards it"
+UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the slice they are a force and a moment"
+
+
+def depths_of(text: str, length: float) -> Array:
+    """Return depths (n,) [m] of a list such as "0.5, 1.5, 2.5 m"; the last unit holds for numbers without one.
+
+    Raises UserInputError, all faults at once, for fewer than two depths, depths outside the skirt, or not in order.
+    """
+    import numpy as np
+
+    from pysprings.core.units import QuantityError, read
+
+    parts = [part.strip() for part in text.split(",")]
+    known = [found[1] for part in parts if (found := re.fullmatch(r"[-+.\deE]+ *([^-+.\d\s].*)", part))]
+    unit = known[-1] if known else ""
+    values, problems = [], []
+    for part in parts:
+        try:
+            depth = float(read(part if re.search(r"[^-+.\deE]$", part) else f"{part} {unit}".strip(), "m", "0.5 m"))
+        except QuantityError as error:
+            problems.append(Problem(key="--depths", message=str(error)))
+            continue
+        if not 0.0 <= depth <= length:
+            problems.append(Problem(key="--depths", message=f"{depth:g} m is not on the skirt, 0 to {length:g} m"))
+        values.append(depth)
+    if not problems and (len(values) < 2 or (np.diff(values) <= 0.0).any()):
+        problems.append(Problem(key="--depths", message="give two depths or more, each below the one before"))
+    if problems:
+        raise UserInputError(problems)
+    return np.array(values)
+
+
+def rows_of(springs: Springs, depths: Array | None) -> tuple[list[Row], dict[float, list[float]], list[str]]:
+    """Return the rows of all curves, top and bottom of the slice of each depth [m], and what was corrected.
+
+    Slices end half way between the depths; without depths they are those of all tables, the last fifth as one.
+    """
+    import numpy as np
+
+    from pysprings.springs.tip_zone import tip_zone
+
+    if springs.pure_paths is None:
+        raise refused("springs", "curves for beam programs need a pure translation and a pure rotation: run a fan")
+    slid, turned = (springs.paths[name] for name in springs.pure_paths)
+    edges = tip_zone(slid.recorded) if depths is None else np.array([0.0, *_middles(depths), springs.length])
+    z = _middles(edges) if depths is None else depths
+    bounds = np.column_stack([edges[:-1], edges[1:]])
+    force = {name: _change(slid[name])[None] for name in ("H_tip", "H_lid")}
+    moment = {name: _change(turned[name])[None] for name in ("M_tip", "M_lid")}
+    share = _shares(slid, bounds)
+    forces, lost = _family(
+        springs, slid.u, {"p": _with_lever(share @ _change(slid.p), slid, z, bounds)} | force, z, bounds
+    )
+    moments, more = _family(springs, turned.rotation, {"m": share @ _change(turned.m)} | moment, z, bounds)
+    return [*forces, *moments], dict(zip(z.tolist(), bounds.tolist(), strict=True)), [*lost, *more]
+
+
+def _middles(x: Array) -> Array:
+    return 0.5 * (x[1:] + x[:-1])
+
+
+def _change(values: Array) -> Array:
+    """Return the change of values (..., steps) from the state at rest."""
+    return values - values[..., :1]
+
+
+def _shares(path: SpringPath, bounds: Array) -> Array:
+    """Return which part of new slices (n,) the slices of a path (k,) are, (n, k): p, m there are constant in each."""
+    import numpy as np
+
+    old = path["depth_bounds"]
+    low, high = np.maximum(bounds[:, :1], old[:, 0]), np.minimum(bounds[:, 1:], old[:, 1])
+    return np.asarray(np.maximum(high - low, 0.0) / np.diff(bounds, axis=1))
+
+
+def _with_lever(p: Array, path: SpringPath, z: Array, bounds: Array) -> Array:
+    """Return p (n, steps) at depths z with the moment about the lid that p of a path has; the force stays."""
+    import numpy as np
+
+    height = np.diff(bounds, axis=1)[:, 0]
+    tilt = z - (height @ z) / height.sum()
+    missing = (path.depth * path.heights) @ _change(path.p) - (z * height) @ p
+    return p + tilt[:, None] * missing / ((height * z) @ tilt)
+
+
+def _family(
+    springs: Springs, q: Array, curves: dict[str, Array], z: Array, bounds: Array
+) -> tuple[list[Row], list[str]]:
+    """Return the rows of forces, or of moments, on the safe side, over one displacement (steps,); what that changes."""
+    import numpy as np
+
+    from pysprings.macro.curve_table import Row
+    from pysprings.springs.sums import action
+
+    length, q = springs.length, _change(q)
+    places = [(name, depth, height) for name, r in curves.items() for depth, height in (
+        zip(z, np.diff(bounds, axis=1)[:, 0], strict=True) if len(r) > 1 else [(length if "tip" in name else 0.0, 0.0)]
+    )]  # fmt: skip
+    given = np.sign(q[-1]) * np.concatenate(list(curves.values()))
+    weight = np.array([height or 1.0 for _, _, height in places])
+    r = on_safe_side(given, weight)
+    turns = places[0][0] == "m"
+    rows = [
+        Row(name, depth, "rotation" if turns else "y", (0.0, 1.0) if turns else (1.0, -depth),
+            action(name, depth, height, length), np.abs(q), values)
+        for (name, depth, height), values in zip(places, r, strict=True)
+    ]  # fmt: skip
+    changed = np.abs(r - given).max(axis=1) > LEAST_CHANGE * np.abs(given).max(axis=1)
+    if not changed.any():
+        return rows, []
+    there = ", ".join(
+        f"{name} at {depth:.3g} m" for (name, depth, _), each in zip(places, changed, strict=True) if each
+    )
+    whole = weight @ given
+    lost = 100.0 * float((whole - weight @ r).max() / np.abs(whole).max())
+    what = "moments of the rotation" if turns else "forces of the translation"
+    return rows, [f"corrected on the safe side, sum of the {what} lower by {lost:.2g} % at most: {there}"]
+
+
+def monotone(values: Array) -> Array:
+    """Return the largest curves (n, k) below curves that start at 0 that nowhere fall, at least 0."""
+    import numpy as np
+
+    return np.maximum(np.minimum.accumulate(values[:, ::-1], axis=1)[:, ::-1], 0.0)
+
+
+def on_safe_side(given: Array, weight: Array) -> Array:
+    """Return curves (n, k) of one displacement that grow, whose sum by weight (n,) is at most the one before."""
+    import numpy as np
+
+    grown = monotone(given)
+    before, now = monotone((weight @ given)[None])[0], weight @ grown
+    return monotone(grown * np.minimum(before / np.where(now > 0.0, now, 1.0), 1.0))
+
+
+def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFrame]:
+    """Return the lines above the table, and the table (`COLUMNS`, SI)."""
+    from pysprings.macro.curve_table import stack
+    from pysprings.macro.model import MacroModel
+    from pysprings.results.exporters.header import header, springs_at
+    from pysprings.results.exporters.uniaxial.curve import table
+    from pysprings.results.exporters.uniaxial.sets import Uniaxial, errors_by_role, lateral, with_tables
+
+    springs, V = springs_at(source, options)
+    springs = springs.at(V=V)
+    depths = depths_of(options["depths"], springs.length) if options["depths"] else None
+    found, bounds, corrected = rows_of(springs, depths)
+    rows = stack([row for row in found if row.r.any()])
+    heights = {depth: bottom - top for depth, (top, bottom) in bounds.items()}
+    model = MacroModel.from_springs(springs, "pisa").on_rows(rows)
+    made = Uniaxial(model, rows, 2, tuple(lateral(rows, heights)), ())
+    tables = [table(each, 2 * int(options["points"]) - 1) for each in made.springs]
+    alone = [each for each in tables if each.spring.name == "p"]
+    errors = [
+        *errors_by_role(springs, with_tables(made, alone), "p(y) alone, without m, tip and lid, beside the full model"),
+        *errors_by_role(springs, with_tables(made, tables), "all curves of this table beside the full model"),
+    ]
+    lines = [line for line in errors if HELD_BACK in line] or errors
+    head = [*lines, *corrected, BETWEEN, *header(source, "curves for beam programs", FRAME, UNITS)]
+    points = [(each.spring.name, each.spring.depth, *each.within()) for each in tables]
+    points += [(row.name, row.depth, row.q[[0, -1]], row.r[[0, -1]]) for row in found if not row.r.any()]
+    return head, _frame(points, bounds)
+
+
+def _frame(curves: Sequence[tuple[str, float, Array, Array]], bounds: Mapping[float, list[float]]) -> pd.DataFrame:
+    """Return the table of curves (spring, depth, displacements, reactions), one row a point, each from the origin."""
+    import pandas as pd
+
+    parts = []
+    for name, depth, q, f in curves:
+        family, moves, reacts = PLACES[name]
+        top, bottom = bounds[depth] if name in ("p", "m") else (depth, depth)
+        data = {"family": family, "depth_m": depth, "depth_top_m": top, "depth_bottom_m": bottom}
+        parts.append(pd.DataFrame(data | {moves: q[q >= 0.0], reacts: f[q >= 0.0] / (bottom - top or 1.0)}))
+    frame = pd.concat([part.reindex(columns=COLUMNS) for part in parts], ignore_index=True)
+    return frame.sort_values("family", kind="stable", key=lambda names: names.map(FAMILIES.index))
+
+
+def _text(source: Source, options: Options) -> str:
+    from pysprings.results.exporters.csv import csv_text
+
+    head, frame = beam_tables(source, options)
+    return "\n".join([*commented("#", head), csv_text(frame)])
+
+
+def _write(source: Source, target: Target, options: Options) -> Exported:
+    """Write beam.csv into a folder; the table as CSV or workbook where the target names such a file."""
+    if not target.path.suffix:
+        return Exported([target.write("beam.csv", _text(source, options))])
+    if target.path.suffix.lower() != ".xlsx":
+        return write_text_file(_text)(source, target, options)
+    import xlsxwriter
+
+    from pysprings.core.files.storage import replacing
+    from pysprings.results.sheets import HEAD, PLAIN_CELLS
+
+    head, frame = beam_tables(source, options)
+    lines = commented("#", head)
+    with replacing(target.path) as place, xlsxwriter.Workbook(str(place), PLAIN_CELLS) as book:
+        sheet, bold = book.add_worksheet("beam"), book.add_format(HEAD)
+        sheet.set_column(0, len(COLUMNS) - 1, 14)
+        for k, line in enumerate(lines):
+            sheet.write_string(k, 0, line)
+        sheet.write_row(len(lines), 0, COLUMNS, bold)
+        for k, row in enumerate(frame.itertuples(index=False), start=len(lines) + 1):
+            sheet.write_row(k, 0, [None if value != value else value for value in row])
+    return Exported([target.path])
+
+
+BEAM = Exporter(
+    name="beam",
+    description="one set of curves for beam programs: p(y), m(rotation), tip and lid (CSV, xlsx)",
+    write=_write,
+    text=_text,
+    options=(
+        Option("depths", 'depths of the curves, such as "0.5, 1.5, 2.5 m"; those of all tables without', default=""),
+        Option("points", "points of a curve", POINTS),
+        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
+        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
+    ),
+)

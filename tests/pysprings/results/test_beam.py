@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: MIT
+"""Curves for beam programs: sums on any depths, the safe side, the stated error beside an own solution, refusals."""
+
+import io
+import json
+import re
+from pathlib import Path as File
+
+import numpy as np
+import openpyxl
+import pandas as pd
+import pytest
+from scipy.optimize import brentq
+
+from pysprings.core.errors import UserInputError
+from pysprings.results import exporters
+from pysprings.results.exporters import beam
+from pysprings.results.exporters.base import Source
+from pysprings.springs.springs import Springs
+from tests.support.commands import command
+from tests.support.synthetic import Path, make_springs
+
+PATHS = (
+    Path("across", "translation"),
+    Path("over", "rotation"),
+    Path("pull", arm=6.0, role="held-back", steps=30),
+)
+DEPTHS = "0.4, 1.3, 2.2, 3.6 m"
+
+
+def text(**options: str) -> str:
+    return exporters.text(make_springs(PATHS), "beam", **options)
+
+
+def table(**options: str) -> pd.DataFrame:
+    return pd.read_csv(io.StringIO(text(**options)), comment="#")
+
+
+def read(curve: pd.DataFrame, moves: str, reacts: str, x: float) -> float:
+    """Return the reaction on the straight lines of a curve."""
+    own = curve[[moves, reacts]].dropna()
+    return float(np.sign(x) * np.interp(abs(x), own[moves], own[reacts])) if len(own) else 0.0
+
+
+def loads(curves: pd.DataFrame, u: float, rotation: float) -> np.ndarray:
+    """Return H, M of a rigid beam on the curves of a table, as a beam program sums them."""
+    out = np.zeros(2)
+    for (_, z), own in curves.groupby(["family", "depth_m"]):
+        height = own["depth_bottom_m"].iloc[0] - own["depth_top_m"].iloc[0]
+        y = u - z * rotation
+        force = height * read(own, "y_m", "p_N_per_m", y) + read(own, "y_m", "H_N", y)
+        couple = height * read(own, "rotation_rad", "m_Nm_per_m", rotation) + read(
+            own, "rotation_rad", "M_Nm", rotation
+        )
+        out += force, couple - z * force
+    return out
+
+
+def test_the_stated_error_is_that_of_a_rigid_beam_on_the_straight_lines_of_the_table() -> None:
+    """At the recorded u of the held-back pull, the load at its height: rotation and H by an own solution."""
+    written = text(depths=DEPTHS)
+    alone, whole = (line for line in written.splitlines()[:2])
+    assert alone.startswith("# p(y) alone") and whole.startswith("# all curves of this table")
+    curves, path = pd.read_csv(io.StringIO(written), comment="#"), Springs.of(make_springs(PATHS)).paths["pull"]
+    for line, own in ((alone, curves[curves["family"] == "py"]), (whole, curves)):
+        errors = []
+        for u, H in zip(path.u, path["H"], strict=True):
+            if u < 0.01 * path.u[-1]:
+                continue
+
+            def missing(rotation: float, u: float = u, own: pd.DataFrame = own) -> float:
+                force, couple = loads(own, u, rotation)
+                return float(couple - path.arm * force)
+
+            rotation = brentq(missing, -1.0 * u, 2.0 * u, xtol=1e-15)
+            errors.append(100.0 * (loads(own, u, rotation)[0] / H - 1.0))
+        stated = float(re.findall(r"H ([-+.\d]+) % \(pull\)", line)[0])
+        assert stated == pytest.approx(errors[int(np.argmax(np.abs(errors)))], abs=0.1)
+
+
+@pytest.mark.parametrize("depths", ["", DEPTHS])
+def test_force_and_moment_of_p_and_the_sum_of_m_are_those_recorded(depths: str) -> None:
+    springs = Springs.of(make_springs((PATHS[0], Path("over", "rotation", size=2e-4))))  # m grows on all of it
+    asked = beam.depths_of(depths, springs.length) if depths else None
+    rows, bounds, corrected = beam.rows_of(springs, asked)
+    assert not corrected
+    slid, turned = springs.paths["across"], springs.paths["over"]
+    height = {z: low - high for z, (high, low) in bounds.items()}
+    p = np.array([height[row.depth] * row.r for row in rows if row.name == "p"])
+    m = np.array([height[row.depth] * row.r for row in rows if row.name == "m"])
+    z = np.array([row.depth for row in rows if row.name == "p"])
+    assert len(z) == 4 or not depths
+    change = slid.p - slid.p[:, :1]
+    np.testing.assert_allclose(p.sum(axis=0), slid.heights @ change, rtol=1e-12)
+    np.testing.assert_allclose(z @ p, (slid.depth * slid.heights) @ change, rtol=1e-12)
+    np.testing.assert_allclose(m.sum(axis=0), turned.heights @ (turned.m - turned.m[:, :1]), rtol=1e-12)
+
+
+def test_curves_that_fall_or_pull_along_are_cut_and_their_sum_is_never_above() -> None:
+    given = np.array([[0.0, 3.0, 5.0, 4.0], [0.0, -1.0, 1.0, 2.0], [0.0, 2.0, 3.0, 5.0]])
+    weight = np.array([1.0, 2.0, 0.5])
+    found = beam.on_safe_side(given, weight)
+    assert (np.diff(found, axis=1) >= 0.0).all() and (found >= 0.0).all()
+    assert (weight @ found <= weight @ given + 1e-12).all()
+    np.testing.assert_allclose(beam.monotone(given)[0], [0.0, 3.0, 4.0, 4.0])
+    np.testing.assert_allclose(beam.on_safe_side(given[2:], weight[2:]), given[2:])
+
+
+def test_the_table_answers_as_springs_of_a_user(tmp_path: File) -> None:
+    """`predict` on the table: its equilibrium holds on the straight lines within the curvature between points."""
+    file = tmp_path / "beam.csv"
+    file.write_text(text(depths=DEPTHS))
+    for H, arm in ((1e5, 0.0), (3e5, 0.0), (1e5, 6.0), (2e5, 6.0), (5e4, 20.0)):
+        found = command("predict", file, "--springs", "full", "--H", f"{H} N", "--arm", f"{arm} m", "--json")
+        assert found.code == 0, found.err
+        state = json.loads(found.out)["states"][-1]
+        balance = loads(table(depths=DEPTHS), state["u"], state["rotation"])
+        np.testing.assert_allclose(balance, [H, H * arm], rtol=4e-3, atol=4e-3 * H)
+
+
+def test_workbook_and_text_have_the_same_rows(tmp_path: File) -> None:
+    exporters.export(make_springs(PATHS), "beam", tmp_path / "beam.xlsx", depths=DEPTHS)
+    rows = list(openpyxl.load_workbook(tmp_path / "beam.xlsx").active.values)
+    head = next(k for k, row in enumerate(rows) if row[0] == "family")
+    assert str(rows[0][0]).startswith("# p(y) alone") and rows[head] == beam.COLUMNS
+    frame = pd.DataFrame(rows[head + 1 :], columns=beam.COLUMNS)
+    pd.testing.assert_frame_equal(frame, table(depths=DEPTHS)[list(beam.COLUMNS)], check_dtype=False, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("depths", "words"),
+    [
+        ("0.5, 9 m", "9 m is not on the skirt, 0 to 4 m"),
+        ("0.5, 1.5", "expected a quantity with unit"),
+        ("0.5 m", "two depths or more"),
+        ("1.5, 0.5 m", "each below the one before"),
+        ("0.5 m, deep", 'got "deep"'),
+    ],
+)
+def test_depths_that_are_refused(depths: str, words: str) -> None:
+    with pytest.raises(UserInputError, match=re.escape(words)):
+        text(depths=depths)
+
+
+def test_depths_with_units_of_their_own() -> None:
+    np.testing.assert_allclose(beam.depths_of("50 cm, 1.5, 2 m", 4.0), [0.5, 1.5, 2.0])
+
+
+def test_springs_without_pure_paths_are_refused() -> None:
+    springs = Source(springs=make_springs((Path("pull", arm=6.0),)))
+    with pytest.raises(UserInputError, match="a pure translation and a pure rotation"):
+        exporters.text(springs, "beam")
+
+
+def test_options_of_the_command(tmp_path: File) -> None:
+    from pysprings.springs.checks import save_springs
+
+    file = save_springs(make_springs(PATHS), tmp_path / "springs.nc")
+    assert command("springs", file, "--for", "beam", "--depths", DEPTHS).out == text(depths=DEPTHS)
+    for extra, words in ((("--format", "json"), "writes csv or xlsx"), (("--wide",), "writes csv or xlsx, not --wide")):
+        done = command("springs", file, "--for", "beam", *extra)
+        assert done.code == 2 and words in done.err
+    assert "is an option of --for beam" in command("springs", file, "--depths", DEPTHS).err
