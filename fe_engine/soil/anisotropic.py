@@ -56,7 +56,7 @@ def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @njit
-def _surface(p):
+def surface(p):
     """Return m_1, m_2 in 1/Pa2 and the coordinate y_1 of the centre in Pa."""
     shift = 0.5 * (p[COMPRESSION] - p[EXTENSION])
     square = 0.25 * (p[COMPRESSION] + p[EXTENSION]) ** 2 - 0.25 * p[DIRECT_SHEAR] ** 2
@@ -65,7 +65,7 @@ def _surface(p):
 
 
 @njit
-def _coordinates(stress, out):
+def coordinates(stress, out):
     """Write the coordinates (5,) of the deviator of a stress (6,)."""
     out[0] = _R6 * (2.0 * stress[2] - stress[0] - stress[1])  # y_1 = sqrt(3/2) s_zz
     out[1] = _R2 * (stress[0] - stress[1])
@@ -74,11 +74,21 @@ def _coordinates(stress, out):
 
 
 @njit
+def add_deviator(y, stress):
+    """Add the deviator of coordinates (5,) to a stress (6,)."""
+    stress[0] += _R2 * y[1] - _R6 * y[0]
+    stress[1] -= _R2 * y[1] + _R6 * y[0]
+    stress[2] += 2.0 * _R6 * y[0]
+    for i in range(3):
+        stress[3 + i] += _R2 * y[2 + i]
+
+
+@njit
 def yield_function(p, stress, kappa):
     """Yield function, S - 1, of a stress (6,); negative inside the elastic domain."""
-    first, others, centre = _surface(p)
+    first, others, centre = surface(p)
     y = np.empty(5)
-    _coordinates(stress, y)
+    coordinates(stress, y)
     # S - 1; ellipse of Davis & Christian 1971 in the plane of y_1 and s_zx
     return first * (y[0] - centre) ** 2 + others * (y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2) - 1.0
 
@@ -92,32 +102,44 @@ def update(p, strain, old, new, tangent, with_tangent):
     add_elastic_stress(p[BULK], p[SHEAR], strain, stress)
     new.history[KAPPA] = old.history[KAPPA]
     mean = (stress[0] + stress[1] + stress[2]) / 3.0
-    first, others, centre = _surface(p)
     y = np.empty(5)
-    _coordinates(stress, y)
-    y[0] -= centre
-    beside = y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2
-    if first * y[0] ** 2 + others * beside <= 1.0:  # S of the trial state
+    coordinates(stress, y)
+    shrink, square, status = returned(surface(p), y)
+    if square < 0.0:
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
+    new.history[KAPPA] += math.sqrt(square / 1.5) / (2.0 * p[SHEAR])
+    if with_tangent:
+        elastic_tangent(p[BULK], shrink[1] * p[SHEAR], 1.0, tangent)
+        add_flow(p[SHEAR], surface(p), shrink, y, tangent)
+    for i in range(6):
+        stress[i] = mean if i < 3 else 0.0
+    add_deviator(y, stress)
+    return status, REGIME_CONE
+
+
+@njit
+def returned(surface, y):
+    """Return coordinates y (5,) in Pa to the surface in place: D_1 and D_2, (2 G)^2 de_p:de_p, status.
+
+    Inside the surface the second is -1, and y stays.
+    """
+    first, others, centre = surface
+    y[0] -= centre
+    beside = y[1] ** 2 + y[2] ** 2 + y[3] ** 2 + y[4] ** 2
+    if first * y[0] ** 2 + others * beside <= 1.0:  # S of the trial state
+        y[0] += centre
+        return (1.0, 1.0), -1.0, OK
     length, status = _closest(first * y[0] ** 2, others * beside, first, others)
     shrink = 1.0 / (1.0 + length * first), 1.0 / (1.0 + length * others)  # D_1, D_2
     square = 0.0
     for i in range(5):
         factor = shrink[0] if i == 0 else shrink[1]
-        square += ((1.0 - factor) * y[i]) ** 2  # (2 G)^2 de_p:de_p
+        square += ((1.0 - factor) * y[i]) ** 2
         y[i] *= factor
-    new.history[KAPPA] += math.sqrt(square / 1.5) / (2.0 * p[SHEAR])
-    if with_tangent:
-        _tangent(p, (first, others), shrink, y, tangent)
     y[0] += centre
-    stress[0] = mean - _R6 * y[0] + _R2 * y[1]
-    stress[1] = mean - _R6 * y[0] - _R2 * y[1]
-    stress[2] = mean + 2.0 * _R6 * y[0]
-    for i in range(3):
-        stress[3 + i] = _R2 * y[2 + i]
-    return status, REGIME_CONE
+    return shrink, square, status
 
 
 @njit
@@ -144,28 +166,27 @@ def _closest(one, two, first, others):
 
 
 @njit
-def _tangent(p, m, shrink, y, tangent):
-    """Write the consistent tangent (6, 6) at the returned coordinates y (5,), counted from the centre."""
-    base, u, weight = np.zeros((5, 6)), np.empty(5), 0.0
-    for i in range(3):
-        base[0, i] = 2.0 * _R6 if i == 2 else -_R6
-        base[2 + i, 3 + i] = _R2
-    base[1, 0], base[1, 1] = _R2, -_R2
+def add_flow(shear, surface, shrink, y, tangent):
+    """Add to the stiffness with the shear modulus D_2 G what makes it the consistent tangent (6, 6) at y (5,).
+
+    2 G ((D_1 - D_2) b b - v v/sum(m_k u_k y_k)), b the direction of y_1 and v that of u.
+    """
+    first, others, centre = surface
+    u, weight = np.empty(5), 0.0
     for i in range(5):
         k = 0 if i == 0 else 1
-        u[i] = m[k] * shrink[k] * y[i]
-        weight += m[k] * u[i] * y[i]  # sum(m_k u_k y_k)
-    for a in range(6):
-        for b in range(6):
-            tangent[a, b] = p[BULK] if a < 3 and b < 3 else 0.0
-    for i in range(5):
-        for j in range(5):
-            value = -u[i] * u[j] / weight  # d(y_i)/d(y_j trial)
-            if i == j:
-                value += shrink[0 if i == 0 else 1]
-            for a in range(6):
-                for b in range(6):
-                    tangent[a, b] += 2.0 * p[SHEAR] * value * base[i, a] * base[j, b]
+        own = y[i] - centre if i == 0 else y[i]
+        m = first if i == 0 else others
+        u[i] = m * shrink[k] * own
+        weight += m * u[i] * own  # sum(m_k u_k y_k)
+    b, v, axis = np.zeros(6), np.zeros(6), np.zeros(5)
+    axis[0] = 1.0
+    add_deviator(axis, b)
+    add_deviator(u, v)
+    along, across = 2.0 * shear * (shrink[0] - shrink[1]), 2.0 * shear / weight
+    for i in range(6):
+        for j in range(6):
+            tangent[i, j] += along * b[i] * b[j] - across * v[i] * v[j]
 
 
 LAW = SoilLaw("anisotropic", PARAMETERS, HISTORY, pack, elastic_moduli, update, isotropic=False)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from fe_engine.register import Register
-from fe_engine.soil import anisotropic, elastic, following, iwan_clay, iwan_sand, tresca, von_mises
+from fe_engine.soil import anisotropic, elastic, following, iwan_anisotropic, iwan_clay, iwan_sand, tresca, von_mises
 from fe_engine.soil.frictional import SURFACES
 from fe_engine.soil.law import SoilLaw
 
@@ -18,4 +18,5 @@ SOIL_LAWS: Register[SoilLaw] = Register(
     iwan_clay.LAW,
     iwan_sand.LAW,
     anisotropic.LAW,
+    iwan_anisotropic.LAW,
 )

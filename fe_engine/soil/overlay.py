@@ -93,7 +93,7 @@ def update(p, strain, old, new, tangent, with_tangent):
     if opens:
         apex = p[STRENGTH] / p[SLOPE] / 3.0
         mean, bulk = apex + APEX_STIFFNESS * (mean - apex), APEX_STIFFNESS * bulk
-    change, initial = _deviator(strain, volume, shear), _initial(old)
+    change, initial = deviator(strain, volume, shear), initial_deviator(old)
     for i in range(6):
         new.stress[i] = mean if i < 3 else 0.0
         if with_tangent:
@@ -101,7 +101,7 @@ def update(p, strain, old, new, tangent, with_tangent):
                 tangent[i, j] = 0.0
     whole, plastic, yields = 0.0, 0.0, False
     for k in range(ELEMENTS):
-        a, b, c, d, e = _trial(p, k, change, initial, old.history)
+        a, b, c, d, e = trial_deviator(p, k, change, initial, old.history)
         # II of the trial deviator, s_zz = -(s_xx + s_yy)
         trial, rho, ratio = math.sqrt(a * a + b * b + a * b + c * c + d * d + e * e), p[RADIUS + k], 1.0
         if opens:
@@ -111,15 +111,15 @@ def update(p, strain, old, new, tangent, with_tangent):
             if with_tangent:
                 _add_yielding(p, k, ratio, trial, (a, b, -a - b, c, d, e), tangent)
         whole, plastic, yields = whole + ratio * p[FIRST + k], plastic + (1.0 - ratio) * trial, yields or ratio < 1.0
-        _keep(k, rho, (ratio * a, ratio * b, ratio * c, ratio * d, ratio * e), initial, new)
+        keep(k, rho, (ratio * a, ratio * b, ratio * c, ratio * d, ratio * e), initial, new)
     new.history[KAPPA] = old.history[KAPPA] + plastic / (_SQRT3 * shear)  # G w_k g_k is what II has lost; g = sqrt3 e
     if with_tangent:
-        _add_elastic(bulk, whole * shear, tangent)
+        add_elastic(bulk, whole * shear, tangent)
     return OK, REGIME_APEX if opens else (REGIME_CONE if yields else REGIME_ELASTIC)
 
 
 @lean
-def _trial(p, k, change, initial, history):
+def trial_deviator(p, k, change, initial, history):
     """Return xx, yy, xy, yz, zx of the trial deviator of an element, Pa."""
     w, rho, at = p[FIRST + k], p[RADIUS + k], SHEARS + 5 * k
     return (
@@ -130,7 +130,7 @@ def _trial(p, k, change, initial, history):
 
 
 @lean
-def _keep(k, rho, deviator, initial, new):
+def keep(k, rho, deviator, initial, new):
     """Add the deviator of an element to the stress, and write its history."""
     at = SHEARS + 5 * k
     for i in range(5):
@@ -143,7 +143,7 @@ def _keep(k, rho, deviator, initial, new):
 
 
 @lean
-def _deviator(strain, volume, shear):
+def deviator(strain, volume, shear):
     """Return xx, yy, xy, yz, zx of the elastic deviator of a strain increment, Pa."""
     third = volume / 3.0
     return (
@@ -153,7 +153,7 @@ def _deviator(strain, volume, shear):
 
 
 @lean
-def _initial(old):
+def initial_deviator(old):
     """Return xx, yy, xy, yz, zx of the deviator of the initial state, Pa."""
     mean = (old.stress[0] + old.stress[1] + old.stress[2]) / 3.0
     s0, s1, s3, s4, s5 = old.stress[0] - mean, old.stress[1] - mean, old.stress[3], old.stress[4], old.stress[5]
@@ -177,7 +177,8 @@ def _add_yielding(p, k, ratio, trial, deviator, tangent):
 
 
 @lean
-def _add_elastic(bulk, shear, tangent):
+def add_elastic(bulk, shear, tangent):
+    """Add the elastic stiffness (6, 6) of two moduli, Pa."""
     lame = bulk - 2.0 * shear / 3.0
     for i in range(3):
         for j in range(3):

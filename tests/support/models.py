@@ -19,7 +19,7 @@ from fe_engine.material import Material
 from fe_engine.mesh import Mesh
 from fe_engine.model import Model, Stage, Water
 from fe_engine.settings import Recycling, Settings
-from fe_engine.soil import elastic, plasol
+from fe_engine.soil import elastic, iwan_clay, plasol
 from fe_engine.soil.law import SoilLaw
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stepping import Driver, Step
@@ -95,6 +95,7 @@ def soil(law: SoilLaw = plasol.LAW, **changes: float) -> Material:
     values |= {"compression": 2.5e4, "direct_shear": 2.0e4, "extension": 1.2e4}
     values |= {"exponent": 0.5} if law.name == "following" else {}
     values |= {"law": plasol.LAW, "rows": plasol.pack(*(values[name] for name in names))} | follows
+    values |= {"backbone": iwan_clay.pack(values["young"], values["poisson"], 2.0e4), "factors": (1.25, 1.0, 0.6)}
     accepted = inspect.signature(law.pack).parameters
     return Material(law, law.pack(**{name: value for name, value in values.items() if name in accepted}))
 

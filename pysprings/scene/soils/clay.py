@@ -247,11 +247,12 @@ class VonMises(Tresca):
         "extension_factor": _factor("plane strain extension", 0.7, (0.3, 1.2)),
     }
     measure = 1.0 / math.sqrt(3.0)
+    hardens = False  # with factors by direction
 
     def faults(self, soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
         if (factors := factors_of(vars(soil))) is not None:
             keys = tuple(("soil", name) for name in FACTORS if getattr(soil, name) is not None)
-            if soil.strain_at_half_strength is not None:
+            if soil.strain_at_half_strength is not None and not self.hardens:
                 yield Clash((*keys, ("soil", "strain_at_half_strength")), "cannot be used with strain_at_half_strength")
             compression, direct, extension = factors
             if compression + extension <= direct:
@@ -273,7 +274,7 @@ class VonMises(Tresca):
         if (factors := factors_of(vars(soil))) is None:
             yield from super()._initial(soil, stresses)
             return
-        strength, shares = soil.undrained_shear_strength, triaxial_shares(*factors)
+        strength, shares = self.strength(soil), triaxial_shares(*factors)
         shear = 0.5 * (1.0 - soil.K0) * max(stresses)  # compression with a vertical axis is positive
         low, high = -shares[1] * strength, shares[0] * strength
         slack = _ROUNDING * max(stresses)
@@ -284,12 +285,19 @@ class VonMises(Tresca):
             yield Clash(keys, f"{_state(soil, stresses, shear)} into a soil with {allowed}")
 
 
-class IwanClay(Tresca):
-    """Von Mises elements in parallel: kinematic hardening along a hyperbola, a table of G/G_0, or cyclic contours."""
+class IwanClay(VonMises):
+    """Elements in parallel: kinematic hardening along a hyperbola, a table of G/G_0, or contours of cyclic tests.
+
+    With factors of su by direction these are of simple shear, with the strength there.
+    """
 
     name = "iwan-clay"
-    keys: ClassVar[Mapping[str, Field]] = CLAY | {REDUCTION: ReductionTable(_TABLE), CYCLIC: CyclicTable(_CYCLIC)}
-    measure = VonMises.measure
+    keys: ClassVar[Mapping[str, Field]] = {
+        **VonMises.keys,
+        REDUCTION: ReductionTable(_TABLE),
+        CYCLIC: CyclicTable(_CYCLIC),
+    }
+    hardens = True
 
     def faults(self, soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
         """Check that a backbone stands alone, and that its stresses are within the strength and below those of G."""
@@ -297,7 +305,7 @@ class IwanClay(Tresca):
             for other in ("strain_at_half_strength", REDUCTION):
                 if getattr(soil, other) is not None:
                     yield Clash((("soil", CYCLIC), ("soil", other)), f"cannot be used with {other}")
-            (strain, ratio), strength = cyclic.curve[0], soil.undrained_shear_strength
+            (strain, ratio), strength = cyclic.curve[0], _of_simple_shear(soil)
             shear = soil.young_modulus / (2.0 * (1.0 + soil.poisson_ratio))
             if shear * strain <= ratio * strength:
                 text = f"its first contour, {ratio:g} su at {100.0 * strain:g} %, is stiffer than G: G/su must be more"
@@ -309,7 +317,7 @@ class IwanClay(Tresca):
                 yield Clash(pair, "cannot be used with strain_at_half_strength")
             strain, ratio = pairs[-1]
             stress = soil.young_modulus / (2.0 * (1.0 + soil.poisson_ratio)) * strain * ratio
-            strength = soil.undrained_shear_strength
+            strength = _of_simple_shear(soil)
             if strength and stress > strength * (1.0 + _SAME_STRAIN):
                 at = f"{stress / 1e3:.4g} kPa at a shear strain of {strain:g}"
                 keys = tuple(("soil", name) for name in (REDUCTION, "undrained_shear_strength", "rigidity_ratio"))
@@ -324,17 +332,27 @@ class IwanClay(Tresca):
         cyclic = stratum.tables[CYCLIC]
         if cyclic is None:
             return {}
-        return {"cyclic_strength_Pa": float(stratum.value("undrained_shear_strength", depth)) * cyclic.curve[-1][1]}
+        strength = stratum.value("undrained_shear_strength", depth) * (stratum.factors or (1.0, 1.0, 1.0))[1]
+        return {"cyclic_strength_Pa": float(strength) * cyclic.curve[-1][1]}
+
+    def word(self, stratum: Stratum) -> str:
+        return self.name if stratum.factors is None else "iwan-anisotropic"
 
     def pack(self, stratum: Stratum, soil: Soil) -> np.ndarray:
         from fe_engine.soil import iwan_clay, mobilised
 
-        young, poisson, strength = soil.young_modulus, soil.poisson_ratio, soil.undrained_shear_strength
+        young, poisson, strength = soil.young_modulus, soil.poisson_ratio, _of_simple_shear(soil)
         if (pairs := stratum.tables[REDUCTION]) is not None:
-            return iwan_clay.pack_table(young, poisson, strength, *np.array(pairs).T)
-        if (cyclic := stratum.tables[CYCLIC]) is not None:
-            return iwan_clay.pack_contours(young, poisson, strength, *np.array(cyclic.curve).T)
-        shear = young / (2.0 * (1.0 + poisson))
-        half = getattr(soil, "strain_at_half_strength", None)
-        scale = strength / shear if half is None else np.maximum(mobilised.scale_of(half, strength, shear), 0.0)
-        return self.engine(stratum).pack(young, poisson, strength, scale)
+            rows = iwan_clay.pack_table(young, poisson, strength, *np.array(pairs).T)
+        elif (cyclic := stratum.tables[CYCLIC]) is not None:
+            rows = iwan_clay.pack_contours(young, poisson, strength, *np.array(cyclic.curve).T)
+        else:
+            shear, half = young / (2.0 * (1.0 + poisson)), getattr(soil, "strain_at_half_strength", None)
+            scale = strength / shear if half is None else np.maximum(mobilised.scale_of(half, strength, shear), 0.0)
+            rows = iwan_clay.pack(young, poisson, strength, scale)
+        return rows if stratum.factors is None else self.engine(stratum).pack(rows, stratum.factors)
+
+
+def _of_simple_shear(soil: Soil) -> Any:
+    """Return su of direct simple shear (...,) in Pa."""
+    return soil.undrained_shear_strength * (getattr(soil, "direct_shear_factor", None) or 1.0)

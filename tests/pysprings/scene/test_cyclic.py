@@ -87,11 +87,10 @@ def test_average_and_cyclic_parts_are_added(tmp_path) -> None:
     assert curve(half) == ((0.005, 0.5), (0.04, 0.85))
 
 
-def sheared(given: Scene, strain: float) -> np.ndarray:
-    """Return tau/su of a DSS test at 5 m, where su is 20 kPa, up to a shear strain."""
-    kind = KINDS["dss"]
-    point = specimen(given.ground.strata[0], kind, 50e3, 5.0)
-    return element_test(point, kind, 5.0, False, strain).columns()["shear_stress_Pa"] / 20e3
+def sheared(given: Scene, strain: float, kind: str = "dss", column: str = "shear_stress_Pa") -> np.ndarray:
+    """Return stress over su of a test at 5 m, where su is 20 kPa, up to a strain; of DSS tau."""
+    point = specimen(given.ground.strata[0], KINDS[kind], 50e3, 5.0)
+    return element_test(point, KINDS[kind], 5.0, False, strain).columns()[column] / 20e3
 
 
 @pytest.mark.parametrize("rigidity", [150.0, 600.0, 2000.0])
@@ -100,6 +99,17 @@ def test_a_simple_shear_test_begins_with_the_stiffness_and_meets_every_contour(t
     assert sheared(given, 2e-6)[-1] == pytest.approx(2e-6 * rigidity, rel=0.01)
     assert [sheared(given, each)[-1] for each in STRAINS] == pytest.approx(DRAMMEN[10], rel=1e-6)
     assert sheared(given, 0.3)[-1] == pytest.approx(0.924, rel=1e-6)
+
+
+def test_strengths_by_direction_have_the_contours_in_their_own(tmp_path) -> None:
+    """Factors 1.3, 1, 0.7: DSS has the contours, with K0 1 up to 3 % less on the way; triaxial 1.17, 0.57."""
+    given = scene(tmp_path, ("[domain]", "compression_factor = 1.3\nextension_factor = 0.7\n[domain]"))
+    assert parse_scene(given.source_text) == given
+    assert sheared(given, 2e-6)[-1] == pytest.approx(2e-6 * 600.0, rel=0.01)
+    assert [sheared(given, each)[-1] for each in STRAINS] == pytest.approx(DRAMMEN[10], rel=0.03)
+    assert sheared(given, 0.8)[-1] == pytest.approx(0.924, rel=1e-3)
+    up, down = (sheared(given, 0.8, kind, "q_Pa")[-1] for kind in ("triaxial", "triaxial-extension"))
+    assert (0.5 * up, 0.5 * down) == pytest.approx((1.166 * 0.924, -0.566 * 0.924), rel=2e-3)
 
 
 def test_a_contour_on_the_elastic_line_joins_by_a_hyperbola_through_it_alone(tmp_path) -> None:
