@@ -91,7 +91,7 @@ def _cyclic(scene: Scene) -> dict[str, list[dict[str, Any]]]:
     """Return the points of backbones from contours of cyclic tests, one a row; nothing without any."""
     found = ((stratum.name, stratum.tables.get(CYCLIC)) for stratum in scene.ground.strata)
     rows = [
-        {"layer": name, "contours": each.name, "cycles": each.cycles, "average": each.average, "strain": strain,
+        {"layer": name, "contours": each.name, "cycles": each.number, "average": each.average, "strain": strain,
          "stress_over_su": stress}
         for name, each in found if each for strain, stress in each.curve
     ]  # fmt: skip

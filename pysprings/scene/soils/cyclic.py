@@ -9,6 +9,10 @@ that they have made after N cycles (Andersen 2015). Rows of one N and one tau_a/
 linear in log(gamma) between its rows. Between curves tau at a strain is linear in tau_a/su and in log(N). The strains
 of the backbone are those of the curves around it, and lines between them; before the first of them it is the hyperbola
 of `fe_engine.soil.iwan_clay.pack_contours`, behind the last one the strength. Nothing beyond the contours is made up.
+
+Of a storm, parcels of cycles with their load over the largest one, N follows by strain accumulation (Andersen 2015):
+from the smallest load to the largest, a parcel begins at the number of its own cycles that has the strain so far. All
+ground has one utilisation, tau/su under the largest load; a load that is below all contours does not count.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -33,6 +37,7 @@ from pysprings.scene.fields import Field, Interval, Number, Text, refuse
 
 Array = NDArray[np.float64]
 Pairs = tuple[tuple[float, float], ...]
+Rows = tuple[tuple[float, ...], ...]
 
 CYCLIC = "cyclic"
 MOST_STRAINS = 6  # of the backbone: lines between them, and those of the hyperbola, are elements of the law
@@ -44,20 +49,68 @@ _COLUMNS = (
     Column("gamma_cy", "1", ("gamma cy", "cyclic shear strain"), percent=0.01),
 )  # fmt: skip
 _INTERVALS = ("[1, 1e9]", "[0, 2]", "[0, 5]", "[0, 1]", "[0, 1]")
+_PARCELS = (Column("N", "1", ("number of cycles", "cycles")), Column("share", "1", ("load/largest",), percent=0.01))
+_OF_PARCELS = ("(0, 1e9]", "(0, 1]")
 _KEYS: dict[str, Field] = {
-    "cycles": Number("[1, 1e9]", "equivalent number of cycles", 10.0), "average": Number("[0, 2]", "tau_a/su", 0.0),
-    "name": Text("name of the table"),
+    "average": Number("[0, 2]", "tau_a/su", 0.0), "name": Text("name of the table"),
+    "cycles": Number("[1, 1e9]", "equivalent number of cycles", 10.0, optional=True),
+    "utilisation": Number("(0, 5]", "tau/su under the largest load of the parcels", 0.6, optional=True),
 }  # fmt: skip
+_TABLES = {"contours": (_COLUMNS, _INTERVALS), "parcels": (_PARCELS, _OF_PARCELS)}
 
 
 @dataclass(frozen=True)
 class Cyclic:
-    """Contours: rows (n, 5) of N, tau_a/su, tau_cy/su, gamma_a, gamma_cy; N and tau_a/su; the name of the table."""
+    """Contours: rows (n, 5) of N, tau_a/su, tau_cy/su, gamma_a, gamma_cy; N and tau_a/su; the name of the table.
 
-    contours: tuple[tuple[float, ...], ...]
-    cycles: float
+    In place of N: parcels (m, 2) of cycles and load over the largest, and tau/su under the largest load.
+    """
+
+    contours: Rows
     average: float
     name: str
+    cycles: float | None = None
+    parcels: Rows | None = None
+    utilisation: float | None = None
+
+    @cached_property
+    def number(self) -> float:
+        """N, given or of the parcels.
+
+        Raises
+        ------
+        ValueError
+            Parcels that leave the contours.
+        """
+        if self.parcels is None or self.utilisation is None:
+            return float(self.cycles or 0.0)
+        strain, number, most = 0.0, 0.0, max(row[0] for row in self.contours)
+        for cycles, share in sorted(self.parcels, key=lambda parcel: parcel[1]):
+            stress = self.average + share * (self.utilisation - self.average)
+            if self._strain(most, stress) == 0.0:
+                continue
+            number = self._begins(strain, stress) + cycles
+            strain = max(strain, self._strain(number, stress))
+            if strain == math.inf:
+                raise ValueError(f"parcels: tau/su {stress:.3g} after {number:.4g} cycles is beyond the last contour")
+        return number
+
+    def _strain(self, number: float, stress: float) -> float:
+        """Return the strain of a stress after a number of cycles; 0 below the first contour, inf beyond the last."""
+        strain, tau = self._at(max(number, min(row[0] for row in self.contours)))
+        if not tau[0] <= stress <= tau[-1]:
+            return 0.0 if stress < tau[0] else math.inf
+        return float(np.exp(np.interp(stress, tau, np.log(strain))))
+
+    def _begins(self, strain: float, stress: float) -> float:
+        """Return the number of cycles of a stress that has a strain; 0 where the first one has more."""
+        low, high = (extreme(row[0] for row in self.contours) for extreme in (min, max))
+        if self._strain(low, stress) >= strain:
+            return 0.0
+        for _ in range(60):
+            middle = math.sqrt(low * high)
+            low, high = (middle, high) if self._strain(middle, stress) < strain else (low, middle)
+        return low
 
     @cached_property
     def curve(self) -> Pairs:
@@ -68,10 +121,14 @@ class Cyclic:
         ValueError
             N or tau_a/su outside the contours, or contours that are no curve.
         """
+        return _bent(*self._at(self.number))
+
+    def _at(self, cycles: float) -> tuple[Array, Array]:
+        """Return strain and tau/su after a number of cycles."""
         rows = np.array(self.contours)
         numbers = np.unique(rows[:, 0])
         curves = []
-        for number, share in _around(numbers, self.cycles, "cycles", math.log):
+        for number, share in _around(numbers, cycles, "cycles", math.log):
             own = rows[rows[:, 0] == number]
             curves += [
                 (_curve(own[own[:, 1] == each]), share * part)
@@ -82,12 +139,12 @@ class Cyclic:
         if len(strain) < 2:
             raise ValueError("the contours around it have fewer than two strains in common")
         stress = sum(share * np.interp(np.log(strain), np.log(own), tau) for (own, tau), share in curves)
-        return _bent(strain, np.asarray(stress))
+        return strain, np.asarray(stress)
 
     @property
     def text(self) -> str:
         """What titles and heads of files have."""
-        return f"cyclic: {self.name}, N {self.cycles:g}, tau_a/su {self.average:g}"
+        return f"cyclic: {self.name}, N {self.number:.4g}, tau_a/su {self.average:g}"
 
 
 def _around(levels: Array, value: float, key: str, scale: Any, where: str = "") -> Iterator[tuple[float, float]]:
@@ -147,25 +204,18 @@ class CyclicTable(Field):
         if value is None or isinstance(value, Cyclic):
             return value
         given = {"average": 0.0, "name": "contours", **value} if isinstance(value, Mapping) else {}
-        if set(given) != {"contours", *_KEYS}:
-            raise refuse(
-                f'expected a table {{ contours = "file.csv", cycles = 10, average = 0.3 }}, got {quoted(value)}'
-            )
-        wrong, read = [], {}
-        for name, field in _KEYS.items():
+        given = {key: each for key, each in given.items() if each is not None}
+        if {*given} - {"average", "name"} not in ({"contours", "cycles"}, {"contours", "parcels", "utilisation"}):
+            example = '{ contours = "file.csv", cycles = 10, average = 0.3 }'
+            raise refuse(f"expected a table {example}, or parcels and utilisation for cycles, got {quoted(value)}")
+        wrong, read = list[str](), dict[str, Any]()
+        for name, each in given.items():
             try:
-                read[name] = field.validate(given[name], info)
+                read[name] = _rows(name, each) if name in _TABLES else _KEYS[name].validate(each, info)
             except PydanticCustomError as error:
                 wrong.append(f"{name}: {error.message()}")
-        rows = given["contours"]
-        try:
-            found = np.array(rows, dtype=float).reshape(-1, len(_COLUMNS)).tolist()
-        except (TypeError, ValueError):
-            wrong.append(
-                f"contours: expected a table of a file, or rows of {len(_COLUMNS)} numbers, got {quoted(rows)}"
-            )
         if not wrong:
-            cyclic = Cyclic(tuple(map(tuple, found)), **read)
+            cyclic = Cyclic(**read)
             try:
                 return cyclic if cyclic.curve else None
             except ValueError as error:
@@ -173,42 +223,52 @@ class CyclicTable(Field):
         raise refuse("; ".join(wrong))
 
     def schema(self) -> dict[str, Any]:
-        contours = {"anyOf": [{"type": "string"}, {"type": "array"}]}
-        properties = {"contours": contours, **{name: field.schema() for name, field in _KEYS.items()}}
+        properties = {name: {"anyOf": [{"type": "string"}, {"type": "array"}]} for name in _TABLES}
+        properties |= {name: field.schema() for name, field in _KEYS.items()}
         return {"description": self.text, "type": "object", "additionalProperties": False,
-                "required": ["contours", "cycles"], "properties": properties}  # fmt: skip
+                "required": ["contours"], "properties": properties}  # fmt: skip
 
     def in_toml(self, value: Any) -> Any:
-        if value is None:
-            return value
-        rows = [list(row) for row in value.contours]
-        return {"contours": rows, "cycles": value.cycles, "average": value.average, "name": value.name}
+        given = {} if value is None else {each.name: getattr(value, each.name) for each in fields(value)}
+        return {key: [list(row) for row in each] if key in _TABLES else each for key, each in given.items()
+                if each is not None} or None  # fmt: skip
 
 
-def read_contours(file: Path) -> list[list[float]]:
-    """Return rows of N, tau_a/su, tau_cy/su, gamma_a, gamma_cy of a table; averages that it does not have are 0.
+def _rows(name: str, value: Any) -> Rows:
+    """Return the rows of a table that is read already; refuse others."""
+    width = len(_TABLES[name][0])
+    try:
+        return tuple(map(tuple, np.array(value, dtype=float).reshape(-1, width).tolist()))
+    except (TypeError, ValueError):
+        raise refuse(f"expected a table of a file, or rows of {width} numbers, got {quoted(value)}") from None
+
+
+def read_rows(file: Path, kind: str) -> list[list[float]]:
+    """Return the rows of a table of contours, or of parcels; averages that it does not have are 0.
 
     Raises
     ------
     UserInputError
         One problem per thing that is wrong with the table: file, line, column and value.
     """
-    table = one_table(file, _COLUMNS, "contours")
-    for each in ("N", "tau_cy/su", "gamma_cy"):
-        if each not in table:
-            table.fault(None, None, f"no column '{each}': contours have N, tau_a/su, tau_cy/su, gamma_a, gamma_cy")
+    columns, intervals = _TABLES[kind]
+    table = one_table(file, columns, kind)
+    for each in columns:
+        if each.name not in table and each.name not in ("tau_a/su", "gamma_a"):
+            names = ", ".join(column.name for column in columns)
+            table.fault(None, None, f"no column '{each.name}': {kind} have {names}")
     table.faults.stop()
-    columns = []
-    for column, interval in zip(_COLUMNS, _INTERVALS, strict=True):
+    found = []
+    for column, interval in zip(columns, intervals, strict=True):
         values = table.numbers(column.name, most=False) if column.name in table else np.zeros(len(table))
         for k in range(len(table)):
             if not Interval(interval).holds(float(values[k])):
                 table.fault(k, column.name, f"{values[k]:g} is not in {interval}")
-        columns.append(values)
+        found.append(values)
     table.faults.stop()
     if not len(table):
-        raise UserInputError([Problem(str(file), message="holds no contours: expected a heading and a row for each")])
-    return [[float(f"{each:.9g}") for each in row] for row in np.stack(columns, axis=1).tolist()]
+        raise UserInputError([Problem(str(file), message=f"holds no {kind}: expected a heading and a row for each")])
+    return [[float(f"{each:.9g}") for each in row] for row in np.stack(found, axis=1).tolist()]
 
 
 def read_files(soil: Any, folder: Path) -> tuple[bool, list[Problem]]:
@@ -220,13 +280,20 @@ def read_files(soil: Any, folder: Path) -> tuple[bool, list[Problem]]:
     layers = soil.get("layer", ()) if isinstance(soil, dict) else ()
     for table in (soil, *(layers if isinstance(layers, list) else ())):
         given = table.get(CYCLIC) if isinstance(table, dict) else None
-        if not isinstance(given, dict) or not isinstance(given.get("contours"), str):
-            continue
-        found, file = True, folder / given["contours"]
-        try:
-            table[CYCLIC] = {**given, "contours": read_contours(file), "name": file.name}
-        except UserInputError as error:
-            problems += [each for each in error.problems if each not in problems]
+        names = (
+            {kind: given[kind] for kind in _TABLES if isinstance(given.get(kind), str)}
+            if isinstance(given, dict)
+            else {}
+        )
+        found, before = found or bool(names), len(problems)
+        for kind, name in names.items():
+            try:
+                table[CYCLIC] = {**table[CYCLIC], kind: read_rows(folder / name, kind)}
+            except UserInputError as error:
+                problems += [each for each in error.problems if each not in problems]
+        if "contours" in names:
+            table[CYCLIC]["name"] = Path(names["contours"]).name
+        if len(problems) > before:
             del table[CYCLIC]
     return found, problems
 

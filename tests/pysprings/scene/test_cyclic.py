@@ -48,9 +48,9 @@ def rows() -> str:
     return "N,tau_cy/su,gamma_cy [%]\n" + "\n".join(lines) + "\n"
 
 
-def scene(tmp_path: Path, change: tuple[str, str] = ("", ""), table: str | None = None) -> Scene:
+def scene(tmp_path: Path, change: tuple[str, str] = ("", ""), table: str | None = None, text: str = SCENE) -> Scene:
     (tmp_path / "drammen.csv").write_text(rows() if table is None else table)
-    (tmp_path / "c.toml").write_text(SCENE.replace(*change))
+    (tmp_path / "c.toml").write_text(text.replace(*change))
     return load_scene(tmp_path / "c.toml")
 
 
@@ -128,6 +128,45 @@ def test_a_scene_holds_its_contours_and_names_them(tmp_path) -> None:
     other = parse_scene(given.source_text, changes=["soil.cyclic.cycles=100"])
     assert other.title == "Storm (cyclic: drammen.csv, N 100, tau_a/su 0)" and curve(other)[0] == (0.005, 0.545)
     assert given.sha256 != other.sha256
+
+
+# tau/su = 0.8 + 0.1 log10(gamma/1 %) - 0.1 log10(N): the strain grows with N, as Miner's rule has it
+MINER = "N,tau_cy/su,gamma_cy [%]\n" + "".join(
+    f"{N},{0.8 + 0.1 * np.log10(g) - 0.1 * np.log10(N)},{g}\n" for N in (1, 1000) for g in (0.1, 1.0, 10.0)
+)
+STORM = 'parcels = "storm.csv", utilisation = 0.8'
+
+
+@pytest.mark.parametrize(
+    ("parcels", "number"),
+    [
+        ("3,1", 3.0), ("10,0.875\n3,1", 4.0), ("3,1\n10,0.875\n50,0.5", 4.0), ("40,0.875\n20,0.75\n2,1", 6.2),
+        ("1,0.875\n1,1", 1.0),
+    ],
+)  # fmt: skip
+def test_the_number_of_cycles_of_a_storm_accumulates_strain(tmp_path, parcels, number) -> None:
+    """tau/su 0.8 at most: a cycle of 0.7 counts a tenth, one of 0.6 a hundredth, together at least one.
+
+    One of 0.4 stays below 0.1 % and does not count.
+    """
+    (tmp_path / "storm.csv").write_text("N,load/largest\n" + parcels + "\n")
+    given = scene(tmp_path, ("cycles = 10", STORM), MINER, SCENE.replace("600", "900"))
+    assert given.ground.strata[0].tables["cyclic"].number == pytest.approx(number, rel=1e-6)
+    assert parse_scene(given.source_text) == given and f"N {number:.4g}" in given.title
+
+
+def test_parcels_that_leave_the_contours_are_refused(tmp_path) -> None:
+    (tmp_path / "storm.csv").write_text("N,load/largest [%]\n5000,40\n30,100\n")
+    with pytest.raises(UserInputError, match=r"parcels: tau/su 0.8 after 30 cycles is beyond the last contour"):
+        scene(tmp_path, ("cycles = 10", STORM), MINER)
+    (tmp_path / "storm.csv").write_text("N,load/largest [%]\n5000,80\n3,100\n")
+    with pytest.raises(UserInputError, match="cycles: 5000 is outside the contours, 1 to 1000"):
+        scene(tmp_path, ("cycles = 10", STORM), MINER)
+    (tmp_path / "storm.csv").write_text("N,load/largest\n5,1.5\n")
+    with pytest.raises(UserInputError, match=r"storm.csv:2: load/largest: 1.5 is not in \(0, 1\]"):
+        scene(tmp_path, ("cycles = 10", STORM), MINER)
+    with pytest.raises(UserInputError, match="or parcels and utilisation for cycles"):
+        scene(tmp_path, ("cycles = 10", "cycles = 10, utilisation = 0.5"), MINER)
 
 
 def test_the_number_of_cycles_may_have_a_range(tmp_path) -> None:
