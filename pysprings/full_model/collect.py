@@ -292,12 +292,7 @@ class Collector:
 
     def dataset(self) -> xr.Dataset:
         """Return all rows as a Dataset with the variables of `variables.GROUPS["result_path"]`."""
-        names = variables.GROUPS["result_path"]
-        data: dict[str, Any] = {}
-        for name in self.rows[0]:
-            stacked = np.array([row[name] for row in self.rows])
-            dims = ("step", *[d for d in names[name].dims if d != "step"])
-            data[name] = xr.DataArray(stacked, dims=dims).transpose(*names[name].dims)
+        data = stacked(self.rows, "result_path")
         for part in ("lid", "tip"):
             mine = self.position[self.surface == SURFACE[part]]
             data[f"{part}_x"] = ((f"{part}_point",), mine[:, 0])
@@ -311,6 +306,16 @@ class Collector:
             "component": list(variables.COMPONENTS), "step": np.arange(len(self.rows)),
         }  # fmt: skip
         return variables.attach(xr.Dataset(data, coords=coords), "result_path")
+
+
+def stacked(rows: list[dict[str, Any]], group: str) -> dict[str, Any]:
+    """Return the values of rows, one a step, as arrays with the dimensions of a group of `variables.GROUPS`."""
+    data = {}
+    for name in rows[0]:
+        order = variables.GROUPS[group][name].dims
+        values = np.array([row[name] for row in rows])
+        data[name] = xr.DataArray(values, dims=("step", *(d for d in order if d != "step"))).transpose(*order)
+    return data
 
 
 def section_dataset(built: Built) -> xr.Dataset:

@@ -14,7 +14,7 @@ import xarray as xr
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.core.path_kinds import LOADS, MOTIONS
-from pysprings.full_model.collect import slices_of_elements
+from pysprings.full_model.collect import slices_of_elements, stacked
 from pysprings.full_model.fourier_collect import means_of_elements
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import SIDES, BuiltFourier
@@ -82,12 +82,7 @@ class SpaceCollector:
 
     def dataset(self) -> xr.Dataset:
         """Return all rows as a Dataset with the variables of `variables.GROUPS["space_path"]`."""
-        names = variables.GROUPS["space_path"]
-        data: dict[str, Any] = {"depth_bounds": (("depth", "bound"), self.slices.bounds)}
-        for name in self.rows[0]:
-            stacked = np.array([row[name] for row in self.rows])
-            dims = ("step", *[d for d in names[name].dims if d != "step"])
-            data[name] = xr.DataArray(stacked, dims=dims).transpose(*names[name].dims)
+        data = stacked(self.rows, "space_path") | {"depth_bounds": (("depth", "bound"), self.slices.bounds)}
         coords = {
             "depth": self.slices.depth, "side": list(variables.SIDES), "step": np.arange(len(self.rows)),
             **({"azimuth": self.azimuth} if self.keep_fields else {}),

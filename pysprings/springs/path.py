@@ -281,6 +281,12 @@ def paths_of(tree: xr.DataTree, of_mesh: bool = False) -> dict[str, RecordedPath
     return {name: RecordedPath(name, _recorded(node, of_mesh), length) for name, node in nodes.items()}
 
 
+def paths_off_plane(tree: xr.DataTree) -> dict[str, xr.Dataset]:
+    """Return the paths of a result that leave a plane, by name, in six degrees of freedom."""
+    nodes = tree.children["space"].children if "space" in tree.children else {}
+    return {name: node.to_dataset(inherit=False) for name, node in nodes.items()}
+
+
 def _recorded(node: xr.DataTree, of_mesh: bool) -> xr.Dataset:
     own = node.to_dataset(inherit=False)
     if of_mesh or EXTRAPOLATED not in node.children:

@@ -139,6 +139,8 @@ def first_secant(stiffness: Array, path: xr.Dataset) -> float | None:
 Array = NDArray[np.float64]
 
 POINTS = 40
+_IMPOSED = {"twist": ("rot_z",), "pull": ("u_x", "u_y")}  # motions along which paths off a plane are compared
+_ALL_BUT_W = ("u_x", "u_y", "rot_x", "rot_y", "rot_z")
 SLICES = 8
 # A slice is left out where its y stays below this share of the largest: p(y) there is that of the point of rotation.
 SMALL_Y = 0.05
@@ -256,6 +258,32 @@ def samples(
         path: {run: sampled(curves[path], grid) for run, curves in runs.items()}
         for path, grid in (common_grids(runs) if grids is None else grids).items()
     }
+
+
+def off_plane_error(fine: xr.Dataset, coarse: xr.Dataset, length: float, radius: float) -> float:
+    """Return the difference of two runs of a path off a plane [%]; NaN without two states that move on.
+
+    It is the largest one of the vectors (H_x, H_y, M_x/L, M_y/L, T/R) after equal ways, over the largest vector, at the
+    states of the finer mesh; straight lines between those of the other one pass corners, where both have a state.
+    """
+    (x, loads), (other, others) = (_way_and_loads(path, length, radius) for path in (fine, coarse))
+    if min(x.size, other.size) < 2:
+        return float("nan")
+    met = x <= other[-1] * (1.0 + 1e-9)
+    theirs = np.stack([np.interp(x[met], other, column) for column in others.T], axis=1)
+    sizes = [np.linalg.norm(each, axis=1).max() for each in (theirs - loads[met], loads[met])]
+    return float(100.0 * sizes[0] / sizes[1]) if sizes[1] else float("nan")
+
+
+def _way_and_loads(path: xr.Dataset, length: float, radius: float) -> tuple[Array, Array]:
+    """Return the way along what a path off a plane imposes [m], rising, and its loads (step, 5) [N]; L and R in m."""
+    sizes = {"rot_x": length, "rot_y": length, "rot_z": radius, "M_x": length, "M_y": length, "T": radius}
+    names = _IMPOSED.get(str(path.attrs["kind"]), _ALL_BUT_W)
+    motion = np.stack([path[name].values * sizes.get(name, 1.0) for name in names], axis=1)
+    steps = np.linalg.norm(np.diff(motion, axis=0), axis=1)
+    loads = [path[name].values / sizes.get(name, 1.0) for name in ("H_x", "H_y", "M_x", "M_y", "T")]
+    on = np.append(True, steps > 0.0)
+    return np.append(0.0, np.cumsum(steps))[on], np.stack(loads, axis=1)[on]
 
 
 def _y_ends(curve: Curve) -> Array:

@@ -22,7 +22,7 @@ from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import ground_of_sections
-from pysprings.springs.path import paths_of
+from pysprings.springs.path import paths_of, paths_off_plane
 from pysprings.springs.path_ends import MESH_ERROR
 
 if TYPE_CHECKING:
@@ -77,11 +77,8 @@ class Companions:
 
 
 def estimates_by_default(scene: Scene) -> bool:
-    """Return whether runs of a scene estimate their error by default: a series costs little.
-
-    Paths that leave a plane have no estimate.
-    """
-    return scene.discretisation == FOURIER and bool(scene.load_paths)
+    """Return whether runs of a scene estimate their error by default: a series costs little."""
+    return scene.discretisation == FOURIER
 
 
 def companions_of(
@@ -100,10 +97,8 @@ def companions_of(
     companions = Companions(checkpoints=checkpoints)
     with companions.clock.phase(PHASE):
         try:
-            coarse = two_mesh.coarser(scene) if scene.load_paths else scene
-            if not scene.load_paths:
-                companions.why_not = "estimates are made of paths in one plane, and there is none"
-            elif coarse is scene:
+            coarse = two_mesh.coarser(scene)
+            if coarse is scene:
                 companions.why_not = "there is no coarser mesh than this one"
             elif scene.discretisation == FOURIER:
                 _choose(scene, coarse, companions, partial(_run, companions, compute, progress), chosen)
@@ -223,10 +218,13 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     covered = given.get("extrapolated", {}).get("paths", ())
     stopped = {name: why for name, why in companions.stopped.items() if name not in covered}
     if stopped and estimate["estimate_pct"]:
-        estimate |= {"companion_stopped": stopped, "companion_paths": len(paths_of(coarse))}
+        all_paths = {**paths_of(coarse), **paths_off_plane(coarse)}
+        estimate |= {"companion_stopped": stopped, "companion_paths": len(all_paths)}
     record.error_estimate = estimate
-    for name, each in estimate.get("by_path", {}).items() if made is not result else ():
-        made.tree[f"paths/{name}"].attrs[MESH_ERROR] = each.get("load_pct", float("nan"))
+    by_path = estimate.get("by_path", {})
+    for name in paths_of(made.tree) if made is not result else ():
+        if name in by_path:
+            made.tree[f"paths/{name}"].attrs[MESH_ERROR] = by_path[name].get("load_pct", float("nan"))
     return made
 
 

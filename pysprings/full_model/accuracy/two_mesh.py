@@ -22,10 +22,19 @@ import xarray as xr
 
 from pysprings.core.text import percent
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY, STIFFNESS, curves_of, first_secant, samples
+from pysprings.full_model.accuracy.curves import (
+    LOAD,
+    OTHER,
+    PY,
+    STIFFNESS,
+    curves_of,
+    first_secant,
+    off_plane_error,
+    samples,
+)
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
-from pysprings.springs.path import paths_of
+from pysprings.springs.path import paths_of, paths_off_plane
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -55,8 +64,7 @@ DECISIVE = ("load_max", "py_rms")  # measures that choose the number of harmonic
 def coarser(scene: Scene) -> Scene:
     """Return the scene on the coarser mesh, without pictures and fields; the same scene if there is no coarser one.
 
-    Bricks have `few` of its paths; a series has all of those in one plane, since its springs are extrapolated from both
-    meshes.
+    Bricks have `few` of its paths; a series has all, since its springs are extrapolated from both meshes.
     """
     from pysprings.model.build import counts_of
     from pysprings.model.fourier import section_counts_of
@@ -67,9 +75,7 @@ def coarser(scene: Scene) -> Scene:
     if azimuth is not None:
         changed["azimuth"] = max(8, 4 * round(factor * azimuth / 4))
     output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
-    plane = tuple(path for path in scene.paths if not path.in_space)
-    paths = {"paths": plane} if plane != scene.paths else {}
-    coarse = scene.replace(mesh=changed, output=output, **paths)
+    coarse = scene.replace(mesh=changed, output=output)
     same = section_counts_of if kind == FOURIER else counts_of
     if same(coarse) == same(scene):
         return scene
@@ -100,7 +106,13 @@ ByPath = dict[str, dict[str, float]]
 def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
     """Return the difference [%] of two results by path and measure, of the paths that both have."""
     by_path = samples({"fine": curves_of(fine, of_mesh=True), "coarse": curves_of(coarse, of_mesh=True)})
-    return {name: measures.errors(each["coarse"], each["fine"]) for name, each in by_path.items()}
+    found = {name: measures.errors(each["coarse"], each["fine"]) for name, each in by_path.items()}
+    others, none = paths_off_plane(coarse), dict.fromkeys(measures.MEASURES, float("nan"))
+    for name, path in paths_off_plane(fine).items():
+        if name in others:
+            length, radius = float(fine.attrs["skirt_length_m"]), 0.5 * float(fine.attrs["outer_diameter_m"])
+            found[name] = none | {"load_max": off_plane_error(path, others[name], length, radius)}
+    return found
 
 
 def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | None:

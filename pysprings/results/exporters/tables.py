@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import LOADS, MOTIONS
-from pysprings.springs.path import RecordedPath, paths_of
+from pysprings.springs.path import RecordedPath, paths_of, paths_off_plane
 from pysprings.springs.sums import by_depth, net_m
 
 # Column -> variable of a result path. The order is part of the public contract.
@@ -74,10 +74,10 @@ def load_displacement(result: xr.DataTree) -> pd.DataFrame:
     Where a path leaves the plane of x, all have the columns of six degrees of freedom.
     """
     paths, columns = {name: each.recorded for name, each in paths_of(result).items()}, LOAD_DISPLACEMENT
-    space = result.children["space"].children if "space" in result.children else {}
+    space = paths_off_plane(result)
     if space or any(path.attrs.get("direction_rad") for path in paths.values()):
         paths, columns = {name: _turned(path) for name, path in paths.items()}, IN_SPACE
-        paths |= {name: node.to_dataset(inherit=False) for name, node in space.items()}
+        paths |= space
     frames = []
     for name, path in paths.items():
         n = path.sizes["step"]

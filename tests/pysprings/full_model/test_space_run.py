@@ -14,6 +14,8 @@ from fe_engine.state import State
 from pysprings import Scene, extract_springs
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import LOADS, MOTIONS
+from pysprings.full_model.accuracy.curves import off_plane_error
+from pysprings.full_model.accuracy.own_estimate import companions_of, with_estimate
 from pysprings.full_model.compute import compute
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.full_model.path_run import PathRun
@@ -285,4 +287,34 @@ def test_a_run_without_a_path_in_one_plane_has_no_springs():
     end = run.record.paths["twist"].end
     assert set(end) == {*MOTIONS, *LOADS} and end["T"] < 0.0
     assert run.record.paths["twist"].energy["imbalance_over_largest_term"] < 1e-3
-    assert any("off a plane, reactions of one mesh" in text and "twist" in text for text in run.record.remarks)
+    assert any(
+        "off a plane, reactions of one mesh, not extrapolated" in text and "twist" in text
+        for text in run.record.remarks
+    )
+
+
+def test_runs_of_a_path_off_a_plane_are_compared_after_equal_ways():
+    """Whatever their steps: an elbow of loads that grow along x, then along y; the coarser run is 5 % stiffer."""
+
+    def elbow(n, factor, end=2.0):
+        x = np.concatenate([np.linspace(0.0, 1.0, n), np.ones(2 * n)])
+        y = np.concatenate([np.zeros(n), np.linspace(0.0, end - 1.0, 2 * n)])
+        zero, up = 0.0 * x, np.concatenate([np.linspace(0.0, 4.0, n), np.full(2 * n, 4.0)])
+        values = {"u_x": x, "u_y": y, "rot_x": zero, "rot_y": zero, "rot_z": zero, "H_x": factor * (x - 0.5 * y),
+                  "H_y": factor * y, "M_x": zero, "M_y": -factor * up, "T": factor * y}  # fmt: skip
+        return xr.Dataset({name: ("step", value) for name, value in values.items()}, attrs={"kind": "translation"})
+
+    for coarse, wanted in ((elbow(11, 1.05), 5.0), (elbow(11, 0.97, 1.6), 3.0), (elbow(11, 1.0), 0.0)):
+        assert off_plane_error(elbow(7, 1.0), coarse, 4.0, 2.0) == pytest.approx(wanted, abs=0.15)
+    assert np.isnan(off_plane_error(elbow(7, 1.0), elbow(7, 1.0).isel(step=[0]), 4.0, 2.0))
+
+
+def test_a_run_estimates_the_error_of_a_path_off_a_plane():
+    """The estimate covers what a finer section and more harmonics change; harmonics that a scene names stay."""
+    given = scene(TWIST, mesh={"preset": "coarse", "harmonics": 1})
+    estimated = with_estimate(given, compute(given), companions_of(given, compute), compute)
+    found = estimated.record.error_estimate
+    assert found["by_path"]["twist"]["load_pct"] == found["estimate_pct"]["load_max"] and found["harmonics"] == [1, 3]
+    fine = compute(scene(TWIST, mesh={"preset": "coarse", "harmonics": 1, "refinement": 1.6})).recorded()
+    paths = [each["space/twist"].to_dataset() for each in (fine, estimated.recorded())]
+    assert 0.01 < off_plane_error(*paths, 4.0, 3.9) < found["estimate_pct"]["load_max"] < 20.0
