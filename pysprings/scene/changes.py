@@ -72,6 +72,32 @@ def applied(data: dict[str, Any], changes: Sequence[Change]) -> list[tuple[str |
     return places
 
 
+def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
+    """Return the keys of a change at a place of the data: entries of lists by their names, or numbers from 1.
+
+    Raises
+    ------
+    UserInputError
+        Entries with one name, or a name with a dot.
+    """
+    keys = list[str]()
+    for part in place:
+        name = str(part)
+        if isinstance(part, int):
+            names = _names(data)
+            name = names[part]
+            if "." in name or names.count(name) > 1:
+                text = f"the name {quoted(name)} has a dot, or stands twice: give each a name of its own"
+                raise UserInputError([Problem(key=".".join(keys), message=text)])
+        keys.append(name)
+        data = data[part]
+    return tuple(keys)
+
+
+def _names(tables: list[Any]) -> list[str]:
+    return [str(each.get("name", k + 1)) if isinstance(each, dict) else "" for k, each in enumerate(tables)]
+
+
 def _table(table: Any, key: str, change: Change) -> Any:
     inner = table.setdefault(key, {}) if isinstance(table, dict) else None
     if not isinstance(inner, dict | list):
@@ -80,7 +106,7 @@ def _table(table: Any, key: str, change: Change) -> Any:
 
 
 def _entry(tables: list[Any], name: str, change: Change) -> int:
-    names = [str(each.get("name", k + 1)) if isinstance(each, dict) else "" for k, each in enumerate(tables)]
+    names = _names(tables)
     if name in names:
         return names.index(name)
     raise _refused(change, f"no '{name}'; there are: {', '.join(names) or 'none'}")

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
-from pysprings.scene.changes import OPTION, Change, applied, read_changes
+from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design
 from pysprings.scene.fields import FROM_TOML, suggestion
@@ -124,6 +124,11 @@ class SceneText:
     def has_ranges(self) -> bool:
         """Whether a value of the scene, or of its table of layers, has a range."""
         return any(ranges_in(self._data))
+
+    @property
+    def ranges(self) -> list[tuple[tuple[str, ...], dict[str, Any]]]:
+        """Keys and tables of the ranges, keys as changes name them. Raises UserInputError, see `changes.named`."""
+        return [(named(self._data, keys), table) for keys, table in ranges_in(self._data)]
 
     def scene(self, changes: Sequence[Change] = ()) -> Scene:
         """Return the scene with values changed; its title names an estimate that is chosen.

@@ -20,6 +20,7 @@ from pysprings.core.files.storage import replacing
 from pysprings.core.units import unit_of
 from pysprings.core.variables import DOFS
 from pysprings.core.version import __version__
+from pysprings.core.words import ESTIMATES
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.sheets import write_sheet
 from pysprings.scene.fields import suggestion
@@ -56,6 +57,8 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
         raise refused(
             "--picture", f"no quantity '{quantity}'{suggestion(quantity, list(known))}; there are: {', '.join(known)}"
         )
+    if not over and not axes and (bars := _bars(data, known[quantity])):
+        return _tornado(data, f"{quantity} [{known[quantity].attrs.get('units', '1')}]", *bars)
     chosen = list(over) or axes[:2]
     if not chosen or len(chosen) > 2 or not set(chosen) <= set(axes):
         raise refused("--over", f"expected one axis or two of: {', '.join(axes) or 'none with numbers'}")
@@ -71,6 +74,39 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
             _map(figure, plot, (x, data[chosen[1]]), values, label)
         plot.set_xlabel(_label(x))
         plot.set_title("\n".join(filter(None, (str(data.attrs["title"]), others))), fontsize=9)
+    return figure
+
+
+def _bars(data: xr.Dataset, values: xr.DataArray) -> tuple[float, list[tuple[str, float, float]]] | None:
+    """Return the answer with all ranges at best, and name, low and high of each; None where no case has all at best."""
+    names = str(data.attrs["axes"]).split(", ")
+    words, answers = np.array([data[name].values for name in names], dtype=str), values.values.reshape(-1)
+    others = words != "best"
+    if "case" not in values.dims or not set(words.flat) <= {*ESTIMATES} or not (~others).all(axis=0).any():
+        return None
+
+    def at(k: int, word: str) -> float:
+        own = (words[k] == word) & (others.sum(axis=0) == 1)
+        return float(answers[own][0]) if own.any() else np.nan
+
+    rows = [(name, at(k, "low"), at(k, "high")) for k, name in enumerate(names)]
+    return float(answers[(~others).all(axis=0)][0]), rows
+
+
+def _tornado(data: xr.Dataset, label: str, best: float, rows: list[tuple[str, float, float]]) -> Figure:
+    """Draw a bar from the answer at low to that at high for each range, the longest on top."""
+    from pysprings.results.plots.style import BLUE, GREEN, INK, new_figure, plain
+
+    rows = sorted(rows, key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
+    figure = new_figure(7.2, 1.4 + 0.32 * len(rows))
+    plot = figure.add_subplot()
+    for colour, end in ((BLUE, 1), (GREEN, 2)):
+        widths = [row[end] - best for row in rows]  # type: ignore[operator]
+        plot.barh([plain(row[0]) for row in rows], widths, left=best, color=colour, label=("low", "high")[end - 1])
+    plot.axvline(best, color=INK, linewidth=1.0, label="best")
+    plot.set_xlabel(label)
+    plot.set_title(str(data.attrs["title"]), fontsize=9)
+    figure.legend(loc="outside lower center", ncols=3, fontsize=8)
     return figure
 
 

@@ -10,6 +10,7 @@ import io
 import itertools
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -23,6 +24,7 @@ from pysprings.core.tables import Table, keyed_table
 from pysprings.core.tables.cells import NotANumber, number, text_of
 from pysprings.core.text import is_formula
 from pysprings.core.units import quoted
+from pysprings.core.words import ESTIMATES
 from pysprings.scene.changes import OPTION, Change
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene
@@ -43,6 +45,7 @@ class Axis:
     values : the values of a list or range, as TOML has them; none for a sampled axis.
     low, high, unit, log : ends of a sampled axis in its unit ("" for a pure number), and whether its logarithm varies.
     place : line and column in the study file.
+    words : what the words among its values stand for: those of a range.
     """
 
     name: str
@@ -53,6 +56,7 @@ class Axis:
     unit: str = ""
     log: bool = False
     place: tuple[int, int] | None = None
+    words: Mapping[Any, Any] = field(default_factory=dict)
 
     def at(self, share: float) -> Value:
         """Return the value at a share of the way between the ends, rounded to `DIGITS` figures."""
@@ -108,7 +112,9 @@ class Plan:
     def changes(self, case: Case) -> list[Change]:
         """Return what a case changes in the base scene."""
         pairs = zip(self.axes, case.values, strict=True)
-        return [Change(tuple(key.split(".")), value) for axis, value in pairs for key in axis.keys]
+        return [
+            Change(tuple(key.split(".")), axis.words.get(value, value)) for axis, value in pairs for key in axis.keys
+        ]
 
     def scene_of(self, case: Case) -> Scene:
         """Return the scene of a case. Raises UserInputError."""
@@ -196,6 +202,25 @@ def latin_hypercube(axes: Sequence[Axis], cases: int, seed: int) -> tuple[Case, 
     shares = qmc.LatinHypercube(len(axes), seed=np.random.default_rng(seed)).random(cases)
     rows = ([axis.at(float(share)) for axis, share in zip(axes, row, strict=True)] for row in shares)
     return tuple(Case(k + 1, tuple(row)) for k, row in enumerate(rows))
+
+
+def one_at_a_time(scene: SceneText) -> tuple[tuple[Axis, ...], tuple[Case, ...]]:
+    """Return an axis for each range of a scene, and its cases: all best, then one low or high at a time.
+
+    Raises UserInputError where no value has a range.
+    """
+    axes: list[Axis] = []
+    for keys, table in scene.ranges:
+        *above, key = (re.sub(r"\W+", "_", each) for each in keys if each not in ("soil", "layer"))
+        name = f"{'_'.join(above)[: 36 - len(key)]}_{key}".lstrip("_0123456789")
+        name = f"{name}_{len(axes) + 1}" if name in [each.name for each in axes] else name
+        axes.append(Axis(name, (".".join(keys),), ESTIMATES, words=table))
+    if not axes:
+        raise refused("sampling.method", "no value of the scene has a range { low, best, high }")
+    rows = [["best"] * len(axes)]
+    for k in range(len(axes)):
+        rows += [[end if j == k else "best" for j in range(len(axes))] for end in ("low", "high")]
+    return tuple(axes), tuple(Case(k + 1, tuple(row)) for k, row in enumerate(rows))
 
 
 def span(axis: Axis, count: int) -> tuple[Value, ...]:

@@ -7,7 +7,7 @@ keep = "springs"                    # or "all": every file of a run
 cases = "cases.csv"                 # a table in place of axes: a heading KEY or KEY [unit] a column
 
 [sampling]                          # without it: all combinations of the axes
-method = "latin-hypercube"
+method = "latin-hypercube"          # or "one-at-a-time": each range of the scene from low to high, without axes
 cases = 80
 seed = 1
 
@@ -51,7 +51,7 @@ _Values = Annotated[int | None, Count(2, MOST_CASES, "number of values", optiona
 class Sampling(Section):
     """The section [sampling]."""
 
-    method: Annotated[str, Choice(("latin-hypercube",), "how cases are chosen")] = ""
+    method: Annotated[str, Choice(("latin-hypercube", "one-at-a-time"), "how cases are chosen")] = ""
     cases: _Cases = None
     seed: _Seed = None
 
@@ -106,6 +106,11 @@ def read_study(path: Path) -> Plan:
         table = path.parent / reader.table_of_cases()
         return Plan(str(path), title, scene, *read_table(table), keep, False, str(table))
     sample = reader.study.sampling
+    if sample is not None and sample.method == "one-at-a-time":
+        for key in {"axis"} & reader.data.keys():
+            reader.fault((key,), "one-at-a-time varies the ranges of the scene: no [[axis]]", key=True)
+        reader.stop()
+        return Plan(str(path), title, scene, *plans.one_at_a_time(scene), keep, False)
     axes = reader.axes()
     if sample is None:
         number = math.prod(len(axis.values) for axis in axes)

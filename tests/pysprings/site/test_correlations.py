@@ -7,9 +7,10 @@ The numbers of groundhog (B. Stuyts, GPL 3) are results of its functions for the
 import numpy as np
 import pytest
 
+from pysprings.core.errors import UserInputError
 from pysprings.site.correlations import CONE_FACTORS, SAND, Correlation, Rows, clay, dilation
 from pysprings.site.layering import boundaries
-from pysprings.site.sounding import behaviour_index, sounding, stresses, unit_weight, zone_name
+from pysprings.site.sounding import SAND_TO, TRANSITION, behaviour_index, sounding, stresses, unit_weight, zone_name
 
 # q_t, f_s [MPa], s_v0, s'_v0 [kPa]
 ROWS = ((10.0, 0.08, 200.0, 100.0), (1.0, 0.03, 120.0, 60.0), (25.0, 0.2, 60.0, 30.0), (5.0, 0.15, 350.0, 180.0))
@@ -195,3 +196,20 @@ def test_zones_of_robertson() -> None:
     names = [(zone_name(each - 0.001), zone_name(each + 0.001)) for each in edges]
     assert all(below != above for below, above in names)
     assert names[2] == ("silty sand to sandy silt", "clayey silt to silty clay")
+    assert (SAND_TO, TRANSITION) == (2.6, (2.5, 2.7))
+
+
+@pytest.mark.parametrize(
+    ("channel", "edge", "message"),
+    [("depth", 500.0, "a depth of 500.5 m"), ("qc", 200e6, "a cone resistance of 200.2 MPa"),
+     ("fs", 0.3 * 10e6, "a sleeve friction of 30 %"), ("qc", -20e3, "no cone resistance above 20 kPa")],
+)  # fmt: skip
+def test_values_that_no_test_has_are_refused_at_their_bounds(channel, edge, message) -> None:
+    """At most 500 m, 200 MPa and a friction ratio of 30 %, at least 20 kPa (negative here): a thousandth decides."""
+    usual = {"depth": np.array([1.0, 2.0, 3.0]), "qc": np.full(3, 10e6), "fs": np.full(3, 1e4)}
+    size = np.array([1.0, 1.0, 1.0]) if channel == "fs" else np.array([0.9, 0.95, 1.0])
+    usual["fs"] = np.full(3, 0.01 * abs(edge)) if channel == "qc" else usual["fs"]
+    inside, outside = (usual | {channel: abs(edge) * size * (1.0 + sign * 1e-3 * np.sign(edge))} for sign in (-1, 1))
+    sounding("a", "a", inside)
+    with pytest.raises(UserInputError, match=message):
+        sounding("a", "a", outside)

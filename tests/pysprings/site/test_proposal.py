@@ -230,6 +230,18 @@ def test_a_value_of_a_file_stays(tmp_path) -> None:
     assert layer["shear_modulus"]["top"] == "30 MPa" and "degradation_strain" not in layer
 
 
+def test_the_range_of_measured_values_is_that_of_eighty_per_cent_of_them(tmp_path) -> None:
+    """D_r 0.40, 0.42 .. 0.60: mean 0.5, tenth and ninetieth per cent 0.42 and 0.58."""
+    rows = "\n".join(f"{0.5 + 0.5 * k},{0.4 + 0.02 * k},9" for k in range(11))
+    (tmp_path / "a.csv").write_text("Depth [m],Dr [-],gamma' [kN/m3]\n" + rows + "\n")
+    (layer,) = proposal(tmp_path / "a.csv")["layers"]
+    found = [middle(layer, "relative_density", each) for each in ("low", "best", "high")]
+    assert found == pytest.approx([0.42, 0.5, 0.58])
+    modulus = layer["values"]["shear_modulus"]  # one correlation by density: 20 % at least on both sides
+    assert np.divide(modulus["low"], modulus["best"]) == pytest.approx([0.8, 0.8])
+    assert np.divide(modulus["high"], modulus["best"]) == pytest.approx([1.2, 1.2])
+
+
 def test_a_depth_cuts_layers_and_points_with_the_values_that_they_have_there(tmp_path) -> None:
     """su 20 to 60 kPa over 20 m is 36 kPa at 8 m."""
     (tmp_path / "a.csv").write_text("top [m],bottom [m],Soil type,su from [kPa],su to [kPa]\n0,20,CLAY,20,60\n")

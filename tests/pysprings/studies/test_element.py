@@ -47,6 +47,24 @@ def scene(tmp_path: Path) -> Path:
     return file
 
 
+def test_a_stiffness_that_does_not_follow_the_stress_is_named(scene: Path, tmp_path: Path) -> None:
+    """Of sand with a constant modulus; not of one that follows, nor of clay in total stress."""
+    run = (
+        "element",
+        str(scene),
+        "--stress",
+        "50 kPa",
+        "--strain",
+        "0.001",
+        "--no-figures",
+        "--out",
+        str(tmp_path / "o"),
+    )
+    note = "G is that of the layer at every stress"
+    assert note in command(*run, "--layer", "sand", "--set", 'soil.layer.sand.young_modulus="40 MPa"').out
+    assert note not in command(*run, "--layer", "sand").out and note not in command(*run, "--layer", "clay").out
+
+
 @pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")  # of columns that follow from others
 def test_the_command_writes_a_table_that_it_reads_as_data(scene: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"

@@ -79,6 +79,58 @@ def test_a_sample_fills_every_row_of_the_hypercube_once_and_repeats_with_its_see
     assert {case.values[0].split()[1] for case in plan.cases} == {"MPa"}
 
 
+ONE = 'scene = "ranged.toml"\n[sampling]\nmethod = "one-at-a-time"\n'
+RANGED = """
+[soil]
+yield_surface = "tresca"
+rigidity_ratio = { low = 100, best = 200, high = 300 }
+effective_unit_weight = "8 kN/m^3"
+[[soil.layer]]
+top = "0 m"
+name = "soft clay"
+undrained_shear_strength = { low = "8 kPa", best = "10 kPa", high = "13 kPa" }
+[[soil.layer]]
+top = "4 m"
+undrained_shear_strength = { low = { top = "20 kPa", bottom = "30 kPa" }, best = "30 kPa", high = "40 kPa" }
+[domain]
+depth = "20 m"
+radius = "30 m"
+[interface]
+adhesion_factor = 0.65
+[[path]]
+name = "a"
+kind = "pull"
+lateral_displacement = "1 mm"
+"""
+
+
+def test_one_at_a_time_goes_through_the_ranges_of_a_scene(study, tmp_path):
+    (tmp_path / "ranged.toml").write_text(RANGED, encoding="utf-8")
+    plan = study(ONE)
+    names = ["rigidity_ratio", "soft_clay_undrained_shear_strength", "undrained_shear_strength"]
+    assert [axis.name for axis in plan.axes] == names and not plan.is_grid
+    assert [case.values for case in plan.cases] == [
+        ("best", "best", "best"), ("low", "best", "best"), ("high", "best", "best"), ("best", "low", "best"),
+        ("best", "high", "best"), ("best", "best", "low"), ("best", "best", "high")]  # fmt: skip
+    strata = [plan.scene_of(case).ground.strata for case in plan.cases]
+    assert [each[0].values["rigidity_ratio"] for each in strata[:4]] == [200.0, 100.0, 300.0, 200.0]
+    assert [each[0].values["undrained_shear_strength"] for each in strata[3:6]] == [8e3, 13e3, 10e3]
+    assert strata[5][1].values["undrained_shear_strength"].top == 20e3 and len(set(plan.hashes())) == 7
+
+
+@pytest.mark.parametrize(
+    ("change", "text", "message"),
+    [
+        (("", ""), ONE + "[[axis]]\n", "one-at-a-time varies the ranges of the scene: no [[axis]]"),
+        (("soft clay", "2"), ONE, "the name \"2\" has a dot, or stands twice"),
+        (("", ""), ONE.replace("ranged", "base"), "no value of the scene has a range { low, best, high }"),
+    ],
+)  # fmt: skip
+def test_ranges_that_cannot_be_taken_one_at_a_time(study, tmp_path, change, text, message):
+    (tmp_path / "ranged.toml").write_text(RANGED.replace(*change), encoding="utf-8")
+    assert any(message in each for _, _, each in refusals(study, text))
+
+
 def test_a_table_has_a_scene_key_a_column(study):
     text = 'scene = "base.toml"\ncases = "mine.csv"\n'
     plan = study(text, mine="id,soil.young_modulus [MPa],interface.friction_coefficient\n1,80,0.4\n2,90,0.5\n")

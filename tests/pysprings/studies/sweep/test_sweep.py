@@ -17,6 +17,7 @@ import psutil
 import pytest
 
 from pysprings.core.errors import UserInputError
+from pysprings.core.words import ESTIMATES
 from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
@@ -144,6 +145,23 @@ def test_axes_of_a_sample_are_coordinates_and_stand_in_a_table_once(ended, tmp_p
         table = table_of(data)
         assert table.columns.is_unique and table.iloc[:, 1].tolist() == [100.0, 100.0, 200.0, 200.0]
         assert draw(data, "K_H", ["mu"]).axes[0].lines[0].get_ydata() == pytest.approx(data["K_H"].values)
+
+
+def test_a_tornado_has_a_bar_for_each_range_the_longest_on_top(ended, tmp_path):
+    """The four runs stand for all best, one value low and high, and another one high: its low is missing."""
+    axes = tuple(replace(axis, words=dict.fromkeys(ESTIMATES, axis.values[0])) for axis in ended.plan.axes)
+    words = [("low", "best"), ("best", "best"), ("high", "best"), ("best", "high")]
+    cases = tuple(replace(case, values=each) for case, each in zip(ended.plan.cases, words, strict=True))
+    plan = replace(ended.plan, axes=axes, cases=cases, is_grid=False)
+    (tmp_path / "cases").symlink_to(ended.out / "cases")
+    dataset.write_study(study.Study(plan, tmp_path, ended.hashes, ended.states))
+    with dataset.open_study(tmp_path) as data:
+        K = data["K_H"].values
+        plot = draw(data, "K_H").axes[0]
+        ends = [bar.get_x() + bar.get_width() for bar in plot.patches]
+        assert [label.get_text() for label in plot.get_yticklabels()] == ["mu", "young_modulus"]
+        assert ends == pytest.approx([np.nan, K[0], K[3], K[2]], nan_ok=True)
+        assert plot.lines[0].get_xdata()[0] == pytest.approx(K[1])
 
 
 def test_edits_of_cases_csv_count(ended, tmp_path):
