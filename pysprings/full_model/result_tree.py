@@ -15,7 +15,6 @@ from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.discretise import section_of, volume_of
 from pysprings.full_model.run_record import (
-    SCHEMA,
     CheckpointCost,
     Computed,
     MeshFigures,
@@ -28,6 +27,7 @@ from pysprings.model.contact import defaults_of
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier
 from pysprings.scene.defaults import defaulted_text, remarks
+from pysprings.springs.checks import RESULT
 
 
 def record_of(work: Work, loaded: Loaded) -> RunRecord:
@@ -39,7 +39,7 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         failures=work.failures,
         warnings=work.warnings,
         version=version.__version__,
-        schema=SCHEMA,
+        schema=RESULT,
         started_utc=loaded.shared.meta["started_utc"],
         resumed=[] if work.checkpoints is None else work.checkpoints.resumed,
         python=platform.python_version(),
@@ -120,7 +120,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
     scene, mesh = work.scene, work.built.model.mesh
     root.attrs = {
         "Conventions": "CF-1.11",
-        "schema": SCHEMA,
+        "schema": RESULT,
         "title": scene.title,
         "source": f"pysprings {version.__version__}",
         "history": f"{record.started_utc} pysprings run",

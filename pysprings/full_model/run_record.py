@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ATTRIBUTE = "run_json"  # of the root of a full-model result
-SCHEMA = "pysprings-full-model-2"  # of a full-model result; 1 had no name
 FILE = "run.json"  # in the folder of a run
 
 

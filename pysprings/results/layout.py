@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from pysprings.core.errors import refused
 from pysprings.core.files.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.core.path_kinds import beam_order, has_free_head
-from pysprings.full_model.run_record import ATTRIBUTE, SCHEMA
+from pysprings.full_model.run_record import ATTRIBUTE
 from pysprings.results.exporters import EXPORTERS
+from pysprings.springs.checks import RESULT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,8 +146,8 @@ def open_result(path: str | os.PathLike[str]) -> xr.DataTree:
     file = Path(path)
     file = file / "full_model.nc" if file.is_dir() else file
     tree = read_tree(file)
-    if tree.attrs.get("schema") != SCHEMA:
+    if tree.attrs.get("schema") != RESULT:
         if ATTRIBUTE not in tree.attrs:
             raise refused(None, "is no result of a full model (springs: open_springs)", file)
-        raise refused("schema", f"a result of another version, not {SCHEMA}: {OTHER_SIGNS}", file)
+        raise refused("schema", f"a result of another version, not {RESULT}: {OTHER_SIGNS}", file)
     return tree

@@ -28,6 +28,7 @@ from pysprings.springs.path_ends import end_faults, is_number, text_of
 from pysprings.springs.sums import BALANCED, balance_faults, by_depth
 
 SCHEMA = "pysprings-springs-4"
+RESULT = "pysprings-full-model-2"  # of a full-model result; 1 had no name
 STATES = ("complete", "limit load", "partial", "interrupted")
 FEWEST_STATES = 2  # a curve needs the initial state and one more
 _ROOT_NUMBERS = ("outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "vertical_load_N")
@@ -40,9 +41,7 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
 
     balanced: also where the reactions of a path do not sum to its loads (merged slices lose a part of the moment).
     """
-    schema = tree.attrs.get("schema")
-    if text_of(schema) != SCHEMA:
-        raise refused("schema", _foreign(tree, schema), file)
+    check_schema(tree, file)
     problems = [*_text_faults(tree), *_root_faults(tree), *variables.tree_problems(tree, "springs")] or list(
         _type_faults(tree)
     )
@@ -54,6 +53,13 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     if problems:
         name = None if file is None else str(file)
         raise UserInputError([Problem(file=name, key=key, message=message) for key, message in problems])
+
+
+def check_schema(tree: xr.DataTree, file: str | os.PathLike[str] | None = None) -> None:
+    """Raise UserInputError unless the tree is a spring set of this version: signs and units of others differ."""
+    schema = tree.attrs.get("schema")
+    if text_of(schema) != SCHEMA:
+        raise refused("schema", _foreign(tree, schema), file)
 
 
 def _text_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:

@@ -6,7 +6,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.errors import refused
 from pysprings.core.variables import TORSION
-from pysprings.springs.checks import FEWEST_STATES, SCHEMA, validate_springs
+from pysprings.springs.checks import FEWEST_STATES, RESULT, SCHEMA, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MARGIN
 
@@ -32,6 +32,8 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
     paths = [path for path in paths_of(result).values() if path.n >= FEWEST_STATES]
     if not paths:
         raise refused("paths", "no path has a converged step: no springs can be made")
+    if (schema := result.attrs.get("schema")) != RESULT:
+        raise refused("schema", f"'{str(schema)[:40]}' instead of '{RESULT}': no full-model result of this version")
     root = result.to_dataset(inherit=False)[["stiffness_initial"]]
     root.attrs = {key: result.attrs[key] for key in _ROOT_ATTRS if key in result.attrs} | {"schema": SCHEMA}
     groups: dict[str, xr.Dataset] = {"/": root}

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.springs import path_sets
-from pysprings.springs.checks import validate_springs
+from pysprings.springs.checks import check_schema, validate_springs
 from pysprings.springs.path import SpringPath, is_rate, paths_of, pure_of, rays_of, same_load
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.path_sets import Between, LoadSet, RateSet
@@ -89,10 +89,13 @@ class Springs:
     def of(cls, source: Springs | xr.DataTree) -> Springs:
         """Return the springs of a tree (`open_springs`, `extract_springs`, `open_table`); `Springs` as they are.
 
-        The arrays are those of the tree, not copies: build the springs anew after a change of the tree.
+        The arrays are those of the tree, not copies: build the springs anew after a change of the tree. Raises
+        UserInputError for a tree of another version, or of something else.
         """
         if isinstance(source, Springs):
             return source
+        if "schema" in source.attrs:  # tables have none
+            check_schema(source)
         root = source.to_dataset(inherit=False)
         paths = {each.name: SpringPath(each.name, each.recorded, each.length) for each in paths_of(source).values()}
         stored = {name: source.children[name].to_dataset(inherit=False) for name in memory_groups(source)}

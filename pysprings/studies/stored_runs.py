@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 from pysprings.core import version
 from pysprings.core.files.written import keep, own_folder
 from pysprings.core.progress import duration
-from pysprings.full_model.run_record import SCHEMA, RunRecord, Status
+from pysprings.full_model.run_record import RunRecord, Status
+from pysprings.springs.checks import RESULT
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
@@ -115,7 +116,7 @@ def forget(folder: Path) -> None:
 def record_of(folder: Path, scene: Scene) -> RunRecord | None:
     """Return the record of a folder if it belongs to this scene and version, else None."""
     record = RunRecord.read(folder)
-    known = scene.sha256, version.__version__, SCHEMA
+    known = scene.sha256, version.__version__, RESULT
     if record is None or (record.scene_sha256, record.version, record.schema) != known:
         return None
     return record

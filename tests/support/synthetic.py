@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.full_model.run_record import SCHEMA as RESULT
-from pysprings.springs.checks import SCHEMA
+from pysprings.springs.checks import RESULT, SCHEMA
 from tests.support.invented_soil import Caisson, Path, base, fields, rings, states, stiffness
 
 SIDES = list(variables.SIDES)

@@ -6,6 +6,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
+from pysprings.macro.comparison import compare
 from pysprings.macro.predict import predict
 from pysprings.springs.checks import SCHEMA
 from pysprings.springs.extract import extract_springs
@@ -64,3 +65,13 @@ def test_one_converged_step_makes_a_straight_spring(result: xr.DataTree) -> None
 def test_an_empty_result_is_refused() -> None:
     with pytest.raises(UserInputError, match="no springs can be made"):
         extract_springs(xr.DataTree())
+
+
+def test_springs_and_results_of_earlier_versions_are_refused_by_every_reader(result: xr.DataTree) -> None:
+    """Opened by xarray itself, too: their signs differ."""
+    springs, old = extract_springs(result), result.copy(deep=False)
+    del old.attrs["schema"]
+    springs.attrs["schema"] = f"{SCHEMA[:-1]}3"
+    for ask in (lambda: predict(springs, H=1e3), lambda: compare(springs), lambda: extract_springs(old)):
+        with pytest.raises(UserInputError, match="schema: "):
+            ask()
