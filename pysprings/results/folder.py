@@ -256,7 +256,9 @@ class _Files(Sink):
         _write_record(folder, record.as_dict() | {"status": WRITING})
         if self.has_springs:
             self._made(record, "compare.csv", lambda: write_frame(source.comparison, folder / "compare.csv"))
+        if self.has_springs or "space" in source.result.children:
             self._made(record, "summary", lambda: self._summarise(record))
+        if self.has_springs:
             for each in (each for each in EXPORTERS if each.of_every_run and each.file != "springs.nc"):
                 self._made(record, each.file, partial(export, source, each.name, folder / each.file))
         write_attribute(ATTRIBUTE, computed.recorded().attrs[ATTRIBUTE], folder / "full_model.nc")  # with the summary
@@ -266,7 +268,8 @@ class _Files(Sink):
 
     def _summarise(self, record: RunRecord) -> None:
         source = self.source
-        source.summary = record.summary = summary(source.result, record, source.comparison, source.springs)
+        made = (source.comparison, source.springs) if self.has_springs else ()
+        source.summary = record.summary = summary(source.result, record, *made)
 
     def _made(self, record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
         """Return what ``make`` returns; None where it fails, which `finish` raises once all else is made.

@@ -62,7 +62,7 @@ def summary(
         ("ground", ground_text(run.scene)),
         ("defaults", defaulted_text(record.defaulted, numerical=False)), ("remarks", "; ".join(record.remarks)),
         ("initial stiffness", _stiffness(run)),
-        ("loads", _loads(run)), ("vertical", _vertical(run)),
+        ("loads", _loads(run)), ("off a plane", _off_plane(run)), ("vertical", _vertical(run)),
         ("tilt", _tilt(run)), ("range", _range(run)), ("mesh error", _mesh(run)),
         ("springs", _springs(run)), ("warnings", _warnings(run)), ("use", _use(run)),
         ("not made", record.left_to_make),
@@ -100,6 +100,29 @@ def _loads(run: Run) -> str:
                 f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
             )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
+
+
+def _off_plane(run: Run) -> str:
+    """Give loads and motions at the end of each path off a plane; what is none to rounding is left out."""
+    length, texts = run.scene.caisson.skirt_length, []
+    for name, path in run.record.paths.items():
+        parts: list[str] = []
+        for first, second, scale in _SIX if "u_x" in path.end else ():
+            sizes = [abs(path.end[each]) for each in first[0]], [abs(path.end[each]) for each in second[0]]
+            least = _ROUNDING * max(*sizes[0], *(each * length**scale for each in sizes[1]))
+            for (names, unit, factor), small in ((first, least), (second, least / length**scale)):
+                shown = [f"{each} {factor * path.end[each]:.3g}" for each in names if abs(path.end[each]) > small]
+                parts += [f"{', '.join(shown)} {unit}"] if shown else []
+        texts += [f"{name}: {'; '.join(parts)}"] if parts else []
+    return " | ".join(texts)
+
+
+# loads and motions of paths off a plane, their units, and SI to these; power of L between forces and moments, ...
+_SIX = (
+    ((("H_x", "H_y", "V"), "MN", 1e-6), (("M_x", "M_y", "T"), "MN m", 1e-6), -1),
+    ((("u_x", "u_y", "w"), "mm", 1e3), (("rot_x", "rot_y", "rot_z"), "mrad", 1e3), 1),
+)
+_ROUNDING = 1e-6
 
 
 def _vertical(run: Run) -> str:
@@ -193,8 +216,9 @@ def _mesh(run: Run) -> str:
 def _springs(run: Run) -> str:
     worst = _held_back(run)
     if worst is None:
-        made = run.comparison is not None
-        return "not checked: there is no held-back path in one plane" if made else "none: too little converged"
+        if run.comparison is not None:
+            return "not checked: there is no held-back path in one plane"
+        return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
     errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items())
     return f"against the full model on the paths held back, largest error at equal displacement: {errors}"
 

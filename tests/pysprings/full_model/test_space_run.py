@@ -23,10 +23,12 @@ from pysprings.full_model.paths import _take, largest_motion
 from pysprings.full_model.work import prepare
 from pysprings.model.stages import path_stages
 from pysprings.results.exporters.tables import load_displacement
+from pysprings.results.folder import run_to_folder
 from pysprings.scene.extent import PAPER
 from pysprings.scene.load import parse_scene
 from pysprings.scene.sections import PAPER_SOIL
 from tests.support import tiny
+from tests.support.files import read_record
 
 HELD = {"role": "held-back"}
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3, "direction": np.radians(30.0)}
@@ -318,3 +320,13 @@ def test_a_run_estimates_the_error_of_a_path_off_a_plane():
     fine = compute(scene(TWIST, mesh={"preset": "coarse", "harmonics": 1, "refinement": 1.6})).recorded()
     paths = [each["space/twist"].to_dataset() for each in (fine, estimated.recorded())]
     assert 0.01 < off_plane_error(*paths, 4.0, 3.9) < found["estimate_pct"]["load_max"] < 20.0
+
+
+def test_the_summary_has_loads_and_motions_by_components(tmp_path):
+    turned = {"name": "turned", "kind": "twist", "twist": 1e-3} | HELD
+    small = scene(turned, mesh={"preset": "coarse", "harmonics": 1, "refinement": 0.6})
+    record = read_record(run_to_folder(small, tmp_path / "out", estimate_error=False))
+    end = record["paths"]["turned"]["end"]
+    loads = f"V {1e-6 * end['V']:.3g} MN; T {1e-6 * end['T']:.3g} MN m"
+    assert record["summary"]["off a plane"] == f"turned: {loads}; rot_z 1 mrad"
+    assert record["summary"]["springs"] == "none: there is no path in one plane"
