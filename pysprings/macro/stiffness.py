@@ -150,22 +150,29 @@ def at_states(model: MacroModel, states: xr.Dataset, form: Form) -> xr.DataArray
 def six_at_state(model: MacroModel, state: xr.Dataset, form: Form) -> xr.DataArray:
     """Return the stiffness (6, 6) of the springs at one state; see `stiffness_six`."""
     plane, name = _at_state(model, state, form)
-    across, _ = _at_state(model, state, Form(secant=True))
+    across, _ = _at_state(model, state, Form(secant=True, symmetric=form.get("symmetric", False)))
     return _six(in_form(plane, form), in_form(across, form), torsion_of(model), (name, form))
 
 
-def secant(model: MacroModel, u: float, rotation: float, V: float | None = None) -> Array:
-    """Return the secant stiffness of the springs at a state: (3, 3), or (2, 2) where w is not known."""
+def secant(model: MacroModel, u: float, rotation: float, V: float | None = None, symmetric: bool = False) -> Array:
+    """Return the secant stiffness of the springs at a state: (3, 3), or (2, 2) where w is not known.
+
+    What the mean of the tangents has left of the load is added by the least change that keeps no symmetry (Broyden
+    1965), or with ``symmetric`` that of a symmetric matrix (Powell 1970).
+    """
     place, weight = np.polynomial.legendre.leggauss(GAUSS)
     state = np.array([u, rotation])
     ways = 0.5 * (place + 1.0)[:, None] * state
     matrix: Array = np.tensordot(0.5 * weight, model.tangents(ways).values, axes=1)
-    lateral = [0, matrix.shape[0] - 1]
+    lateral = np.ix_([0, matrix.shape[0] - 1], [0, matrix.shape[0] - 1])
     size = np.array([1.0, model.length])
-    scaled = state * size
-    if np.any(scaled):  # what the mean has left of the load
-        missing = model.reactions(*state)[0] - model.reactions(0.0, 0.0)[0] - matrix[np.ix_(lateral, lateral)] @ state
-        matrix[np.ix_(lateral, lateral)] += np.outer(missing, scaled * size) / (scaled @ scaled)
+    block = 0.5 * (matrix[lateral] + matrix[lateral].T) if symmetric else matrix[lateral]
+    x = state * size
+    if way := float(x @ x):
+        left = (model.reactions(*state)[0] - model.reactions(0.0, 0.0)[0] - block @ state) / size
+        change = np.outer(left, x) / way
+        change += np.outer(x, left - (left @ x) / way * x) / way if symmetric else 0.0
+        matrix[lateral] = block + size[:, None] * change * size
     if matrix.shape == (3, 3) and V is not None and model.vertical is not None:
         w, _, _ = model.vertical.displacement(V)
         w0, V0 = model.vertical.rest
@@ -212,7 +219,8 @@ def _at_state(model: MacroModel, state: xr.Dataset, form: Form) -> tuple[Array, 
         return state["stiffness"].values, "tangent stiffness of the springs at the state"
     model.response.check_state("secant")
     V = float(state["V"]) if "V" in state else None
-    return secant(model, float(state["u"]), float(state["rotation"]), V), "secant stiffness of the springs at the state"
+    found = secant(model, float(state["u"]), float(state["rotation"]), V, form.get("symmetric", False))
+    return found, "secant stiffness of the springs at the state"
 
 
 def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> MacroModel:

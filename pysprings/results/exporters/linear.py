@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: MIT
-"""A foundation as one matrix 6 x 6: in another frame, and the error of its linear response on the paths."""
+"""A foundation as one matrix 6 x 6, at rest or at a load, and the error of its linear response on the paths."""
 
+import re
+import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import has_free_head
 from pysprings.core.text import plain_table
+from pysprings.core.units import QuantityError, read
+from pysprings.macro.answer import MacroWarning
 from pysprings.macro.model import MacroModel
-from pysprings.macro.stiffness import Form, in_form, secant, stiffness_six
+from pysprings.macro.stiffness import Load, Question, secant, stiffness_six
+from pysprings.results.exporters.base import Options
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -24,6 +31,8 @@ _HEAD = (
 AT_REST = (
     "linear: stiffness at rest, which the caisson has at no load; beside it secants of the springs, and its errors"
 )
+# of the option at: unit, and an example
+LOADS = {"H": ("N", "2 MN"), "M": ("N m", "40 MN m"), "V": ("N", "2 MN"), "arm": ("m", "60 m")}
 _SECANTS = (
     "stiffness at rest, and the secant of the springs at 10 and 50 % of the range of paths [MN/m, MN/rad, MN m/rad]:"
 )
@@ -45,9 +54,65 @@ def at_lid(springs: Springs) -> Array:
     return matrix
 
 
-def linear_words(springs: Springs) -> list[str]:
-    """Return the lines that stand beside a matrix of the caisson at rest: what it is, secants, and its errors."""
-    return [AT_REST, *secants(springs), *linear_errors(springs)]
+@dataclass(frozen=True, slots=True, eq=False)
+class Linear:
+    """A matrix (6, 6) [N/m, N/rad, N m/rad] as `at_lid` has it, in words, and the lines that stand beside it."""
+
+    stiffness: Array
+    name: str
+    lines: list[str]
+
+
+def linear(springs: Springs, options: Options) -> Linear:
+    """Return the matrix of the options `at` and `matrix`, with its errors on the paths: at rest without a load.
+
+    Raises
+    ------
+    UserInputError
+        A text that is no load, or springs from a table without vertical stiffness.
+    PredictionNotConverged, BeyondSprings
+        A load that the springs do not carry.
+    """
+    if not options["at"]:
+        return Linear(at_lid(springs), "stiffness at rest", [AT_REST, *secants(springs), *linear_errors(springs)])
+    at = place_of(springs, options["at"])
+    question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
+    with warnings.catch_warnings(record=True) as marks:
+        warnings.simplefilter("always", MacroWarning)
+        found = stiffness_six(springs, **question)
+    matrix, name = found.values + 0.0, str(found.attrs["long_name"])
+    words = f"linear: {name} ({options['at']}); x along that load; beside it secants of the springs, and its errors"
+    lateral = matrix[np.ix_([0, 4], [0, 4])]
+    notes = [f"supported in part: {each.message}" for each in marks]
+    return Linear(matrix, name, [words, *notes, *secants(springs), *linear_errors(springs, lateral)])
+
+
+def place_of(springs: Springs, text: str) -> Load:
+    """Return the load of a text such as "H=2 MN, arm=60 m" (H, M, V, arm), or the motion of "50 % of pull_1_D" (SI).
+
+    Raises UserInputError, all faults at once.
+    """
+    if level := re.fullmatch(r"([\d.]+) ?% of (\w+)", text.strip()):
+        path, share = springs.path(level[2]), 0.01 * float(level[1])
+        motion = np.stack([path.u, path.rotation])
+        size = np.hypot(motion[0], motion[1] * springs.length)
+        if path.is_vertical or not 0.0 < share <= 1.0:
+            raise refused("--option at", f"'{text}' is not above 0 and up to 100 % of the range of a lateral path")
+        step = int(np.argmin(np.abs(size - share * size.max())))
+        return {"u": float(motion[0, step]), "rotation": float(motion[1, step])}
+    found, problems = Load(), []
+    for part in text.split(","):
+        name, sign, value = (each.strip() for each in part.partition("="))
+        if not sign or name not in LOADS:
+            problems.append(f"'{part.strip()}' is not one of {', '.join(f'{each}=VALUE' for each in LOADS)}")
+            continue
+        try:
+            found |= {name: float(read(value, *LOADS[name]))}  # type: ignore[misc]
+        except QuantityError as error:
+            problems.append(f"{name}: {error}")
+    if problems:
+        raise UserInputError([Problem(key="--option at", message=each) for each in problems])
+    return found
 
 
 def secants(springs: Springs) -> list[str]:
@@ -62,7 +127,7 @@ def secants(springs: Springs) -> list[str]:
         model = MacroModel.from_springs(springs.answering(path))
         motion = np.stack([path.u, path.rotation])
         for share, step in zip(SHARES[:2], _steps(motion, springs.length), strict=False):
-            matrix = in_form(secant(model, *motion[:, step]), Form(symmetric=True))
+            matrix = secant(model, float(path.u[step]), float(path.rotation[step]), symmetric=True)
             size = [f"{1e3 * value + 0.0:.3g}" for value in np.abs(motion[:, step])]
             rows.append((f"{path.name}, {100 * share:g} %", *size, *_entries(matrix[np.ix_([0, -1], [0, -1])])))
     return [_SECANTS, *plain_table(_SECANT_COLUMNS, rows).splitlines()]
@@ -78,13 +143,13 @@ def _steps(motion: Array, length: float) -> list[int]:
     return [int(np.argmin(np.abs(size - share * size.max()))) for share in SHARES]
 
 
-def linear_errors(springs: Springs) -> list[str]:
-    """Return the lines of a table with a row for each lateral path: errors of the initial stiffness in H and M.
+def linear_errors(springs: Springs, lateral: Array | None = None) -> list[str]:
+    """Return the lines of a table with a row for each lateral path: errors in H and M of a matrix (2, 2), or at rest.
 
     Loads of the matrix at the recorded motion (u, rotation) less those of the full model, relative to the largest size
     of each load on the whole path, at `SHARES` of the range.
     """
-    rows = []
+    rows, matrix = [], springs.lateral_stiffness if lateral is None else lateral
     for name, path in springs.paths.items():
         if path.is_vertical:
             continue
@@ -92,7 +157,7 @@ def linear_errors(springs: Springs) -> list[str]:
         motion = np.stack([data["u"].values, data["rotation"].values])
         steps = _steps(motion, springs.length)
         end = [f"{1e3 * value + 0.0:.3g}" for value in motion[:, steps[-1]]]
-        words = _words(springs.lateral_stiffness @ motion, data, springs.length, steps)
+        words = _words(matrix @ motion, data, springs.length, steps)
         rows.append((name, str(data.attrs["role"]), *end, *words))
     return [_HEAD, *plain_table(_COLUMNS, rows, (True, True)).splitlines()] if rows else []
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from pysprings.core.variables import known_torsion
 from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
-from pysprings.results.exporters.subdyn import FRAME, UNITS, matrix_of, write_subdyn
+from pysprings.results.exporters.subdyn import FRAME, MATRIX, UNITS, matrix_of, write_subdyn
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
@@ -71,14 +71,14 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
     from pysprings.results.exporters.soildyn.library import matrix_input
 
-    stiffness, lost = matrix_of(source)
-    head = [*header(source, "OpenFAST foundation matrix: stiffness at rest", FRAME, UNITS), *lost]
+    found = matrix_of(source, options)
+    head = [*header(source, f"OpenFAST foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
     files = [
-        *write_subdyn(head, stiffness, target),
-        target.write("soildyn.dat", matrix_input(head, stiffness, _place(options))),
+        *write_subdyn(head, found.stiffness, target),
+        target.write("soildyn.dat", matrix_input(head, found.stiffness, _place(options))),
     ]
     more, remarks = _nonlinear(source, target, options)
-    return Exported([*files, *more], [*lost, *remarks])
+    return Exported([*files, *more], [*found.lines, *remarks])
 
 
 OPENFAST = Exporter(
@@ -98,5 +98,6 @@ OPENFAST = Exporter(
                "at rest (the structure has its weight), or none", "load", choices=("load", "none")),
         Option("beyond", "beyond the calibrated range the library extrapolates with a warning, or stops OpenFAST",
                "warn", choices=("warn", "stop")),
+        *MATRIX,
     ),
 )  # fmt: skip

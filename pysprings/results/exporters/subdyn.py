@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""SubDyn: the initial stiffness as SSI file (all 42 labels) and as a spring element.
+"""SubDyn: the stiffness at rest or at a load as SSI file (all 42 labels) and as a spring element.
 
 Formats as OpenFAST 5.0.0 reads them (commit 2895884). SubDyn takes a missing label as zero, so that all are written.
 Both are linear.
@@ -8,13 +8,16 @@ Both are linear.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target
+from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
 
 if TYPE_CHECKING:
     import numpy as np
+
+    from pysprings.results.exporters.linear import Linear
 
 _DOFS = ("x", "y", "z", "tx", "ty", "tz")
 FRAME = (
@@ -67,15 +70,20 @@ def _unit(i: int, j: int) -> str:
     return ("(N/m)", "(N/rad)", "(Nm/rad)")[(i > 2) + (j > 2)]
 
 
-def matrix_of(source: Source) -> tuple[np.ndarray, list[str]]:
-    """Return the initial stiffness (6, 6) with z up, and the sentences on what a matrix loses."""
-    from pysprings.results.exporters.linear import at_lid, linear_words
+MATRIX = (
+    Option("at", "where the matrix is that of the springs: a load (H, M, V, arm), \"H=2 MN, arm=60 m\", or a share of "
+           "a path, \"50 % of pull_1_D\"; at rest without", default=""),
+    Option("matrix", "the secant from rest, or the tangent there", "secant", choices=("secant", "tangent")),
+)  # fmt: skip
+
+
+def matrix_of(source: Source, options: Options) -> Linear:
+    """Return the matrix (6, 6) with z up, at rest or at a load, and the sentences on what a matrix loses."""
+    from pysprings.results.exporters.linear import linear
     from pysprings.springs.springs import Springs
 
-    springs = Springs.of(source.springs)
-    stiffness = at_lid(springs)
-    lost = linear_words(springs)
-    return stiffness, lost + ([] if stiffness[5, 5] else [NO_TORSION])
+    found = linear(Springs.of(source.springs), options)
+    return found if found.stiffness[5, 5] else replace(found, lines=[*found.lines, NO_TORSION])
 
 
 def write_subdyn(head: Sequence[str], stiffness: np.ndarray, target: Target) -> list:
@@ -89,14 +97,15 @@ def write_subdyn(head: Sequence[str], stiffness: np.ndarray, target: Target) -> 
 def _write(source: Source, target: Target, options: Options) -> Exported:
     from pysprings.results.exporters.header import header
 
-    stiffness, lost = matrix_of(source)
-    head = [*header(source, "SubDyn foundation matrix: stiffness at rest", FRAME, UNITS), *lost]
-    return Exported(write_subdyn(head, stiffness, target), lost)
+    found = matrix_of(source, options)
+    head = [*header(source, f"SubDyn foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
+    return Exported(write_subdyn(head, found.stiffness, target), found.lines)
 
 
 SUBDYN = Exporter(
     name="subdyn",
-    description="initial stiffness for SubDyn: SSI file, spring element",
+    description="stiffness for SubDyn, at rest or at a load: SSI file, spring element",
     write=_write,
     suffixes=(".dat",),
+    options=MATRIX,
 )

@@ -12,7 +12,7 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
-from pysprings.macro.predict import MacroWarning, impose
+from pysprings.macro.predict import MacroWarning, impose, predict
 from pysprings.macro.stiffness import stiffness_six
 from pysprings.memory.elements import PLATES
 from pysprings.results.exporters import Source, export
@@ -365,3 +365,43 @@ def test_soildyn_follows_a_sequence_with_memory(library: Path, tmp_path: Path) -
     np.testing.assert_allclose(
         1e3 * done.channels[:, [0, 1, 3, 4]], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max(axis=0).max()
     )
+
+
+@pytest.mark.parametrize("program", ["openfast", "subdyn"])
+def test_the_matrix_at_a_load_times_the_motion_is_that_load(tmp_path: Path, program: str) -> None:
+    """The secant of SubDyn's file; `soildyn.dat` has the same, and a share of a path that of its motion."""
+    source = Source(fan_with_vertical())
+    state = predict(source.springs, H=2e5, arm=5.0)
+    done = export(source, program, tmp_path, at="H=0.2 MN, arm=5 m")
+    K = matrix_of(read_ssi(tmp_path / "subdyn_ssi.dat"), "k")[np.ix_([0, 4], [0, 4])]
+    np.testing.assert_allclose(K @ [state["u"], state["rotation"]], [2e5, 1e6], rtol=1e-3)
+    assert "secant stiffness of the springs" in done.remarks[0] and "(H=0.2 MN, arm=5 m)" in done.remarks[0]
+    if program == "openfast":
+        np.testing.assert_allclose(soildyn_matrix(tmp_path / "soildyn.dat")[np.ix_([0, 4], [0, 4])], K, rtol=1e-6)
+    export(source, program, tmp_path, at="H=0.2 MN, arm=5 m", matrix="tangent")
+    tangent = matrix_of(read_ssi(tmp_path / "subdyn_ssi.dat"), "k")[np.ix_([0, 4], [0, 4])]
+    assert tangent[0, 0] < 0.99 * K[0, 0]
+    path = Springs.of(source.springs).path()
+    export(source, program, tmp_path, at=f"50 % of {path.name}")
+    K = matrix_of(read_ssi(tmp_path / "subdyn_ssi.dat"), "k")[np.ix_([0, 4], [0, 4])]
+    way = np.hypot(path.u, path.turn)
+    step = int(np.argmin(np.abs(way - 0.5 * way.max())))
+    loads = np.array([path["H"][step], path["M"][step]])
+    np.testing.assert_allclose(
+        K @ [path.u[step], path.rotation[step]], loads, rtol=2e-2, atol=2e-2 * max(map(abs, loads))
+    )
+
+
+def test_marks_of_the_state_of_a_matrix_stand_beside_it(source: Source, tmp_path: Path) -> None:
+    lines = export(source, "subdyn", tmp_path, at="H=0.1 MN, arm=5 m").remarks
+    assert [line for line in lines if line.startswith("supported in part: ") and "calibration paths" in line]
+
+
+def test_places_of_a_matrix_that_are_refused(source: Source, tmp_path: Path) -> None:
+    for text, words in (
+        ("H=0.2, arms=3 m, V=x", "expected a quantity with unit.*'arms=3 m' is not one of H=VALUE.*V: expected"),
+        ("120 % of {}", "not above 0 and up to 100 %"), ("50 % of nowhere", "nowhere"),
+    ):  # fmt: skip
+        at = text.format(Springs.of(source.springs).path().name)
+        with pytest.raises(UserInputError, match=f"(?s){words}"):
+            export(source, "subdyn", tmp_path, at=at)
