@@ -9,6 +9,8 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.model.element import KINDS, element_test, specimen
 from pysprings.scene.load import Scene, load_scene, parse_scene
+from pysprings.springs.path import paths_of
+from tests.support import tiny
 from tests.support.commands import command
 
 SCENE = """
@@ -212,3 +214,24 @@ def test_contours_that_give_no_backbone_are_refused_in_one_line(tmp_path, change
     with pytest.raises(UserInputError) as error:
         scene(tmp_path, change, table)
     assert message in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.slow
+def test_a_bucket_keeps_its_stiffness_and_has_the_load_of_its_contours(tmp_path) -> None:
+    """D 8 m, L 6 m, load 8 m up, bonded: the table of docs/guide/ground.md at N 10.
+
+    A polygon from 1e-5 through the same contours, with su set by hand, gave 1.392 MN at 3 % of D and 0.341 MN at 0.1 %,
+    too soft below the first contour. Elastic soil of the same G has the initial stiffness.
+    """
+    path = '[[path]]\nname = "pull"\nkind = "pull"\narm = "8 m"\nlateral_displacement = "240 mm"\n'
+    text = SCENE[: SCENE.index("[domain]")] + '[interface]\nadhesion_factor = 1.0\nopening = "bonded"\n' + path
+    text += '[caisson]\nouter_diameter = "8 m"\nskirt_length = "6 m"\n[mesh]\npreset = "coarse"\n'
+    given = scene(tmp_path, text=text)
+    pull = paths_of(tiny.run(given), of_mesh=True)["pull"]
+    u, H = np.asarray(pull["u"]), np.asarray(pull["H"])
+    assert np.interp([0.008, 0.024, 0.08, 0.24], u, H) == pytest.approx([0.810e6, 1.112e6, 1.309e6, 1.400e6], rel=0.01)
+    assert np.interp(0.24, u, H) == pytest.approx(1.392e6, rel=0.01)
+    elastic = scene(tmp_path, ('cyclic = { contours = "drammen.csv", cycles = 10 }\n', ""), text=text)
+    short = elastic.replace(paths=({**elastic.paths[0].model_dump(), "lateral_displacement": 2e-5},))
+    first = paths_of(tiny.run(short), of_mesh=True)["pull"]
+    assert H[1] / u[1] == pytest.approx(np.asarray(first["H"])[-1] / 2e-5, rel=0.01)
