@@ -17,8 +17,8 @@ from pysprings.core.files.storage import read_tree, write_text, write_tree
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.compute import run
-from pysprings.full_model.run_record import SCHEMA
 from pysprings.model.forecast.resources import size_of
+from pysprings.springs.checks import RESULT
 from pysprings.springs.path import paths_of
 from pysprings.studies.accuracy import rows, runs, study
 from pysprings.studies.accuracy.picture import error_against_time
@@ -55,7 +55,7 @@ def invented(scene: Scene, folder: Path, progress: Any) -> None:
     write_tree(result, folder / "full_model.nc")
     write_tree(springs, folder / "springs.nc")
     record = {
-        "schema": SCHEMA, "status": "complete", "version": pysprings.__version__, "scene_sha256": scene.sha256,
+        "schema": RESULT, "status": "complete", "version": pysprings.__version__, "scene_sha256": scene.sha256,
         "mesh": {"unknowns": unknowns, "harmonics": harmonics},
         "solver": {"linear": "none", "factorisations": 20, "unit_s": 0.01},
         "paths": {"pull": {"increments": 9, "iterations": 18, "iterations_in_cut_backs": 0}},
