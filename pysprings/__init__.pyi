@@ -9,6 +9,7 @@ from .macro.predict import impose as impose
 from .macro.predict import model_of as model_of
 from .macro.predict import predict as predict
 from .macro.predict import sequence as sequence
+from .macro.space import sequence_in_space as sequence_in_space
 from .macro.stiffness import stiffness as stiffness
 from .macro.stiffness import stiffness_six as stiffness_six
 from .results import plots as plots

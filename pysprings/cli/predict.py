@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from pysprings.cli import predictions
     from pysprings.macro.model import AnySprings
     from pysprings.macro.predict import Asking
+    from pysprings.macro.space import SpaceControl
     from pysprings.macro.stiffness import Form
+    from pysprings.results.tables.sequence import Sequence
 
 POINTS = 50  # of a curve
 BY_COMPONENTS = {"--Hx", "--Hy", "--Mx", "--My", "--T"}
@@ -191,7 +193,10 @@ def predict(
     states = answer(springs, question, asking)
     form: Form = {"secant": secant, "symmetric": symmetric}
     form["reference_depth"] = question.reference_depth or 0.0
-    matrices = _matrices(springs, states, question, asking, form) if stiffness or any(form.values()) else None
+    wanted = stiffness or any(form.values())
+    if wanted and "u" not in states:
+        refuse("--stiffness", "is that of one plane: leave it out with a sequence in six degrees of freedom")
+    matrices = _matrices(springs, states, question, asking, form) if wanted else None
     if out is not None:
         predictions.write(states, predictions.stiffness(matrices) if matrices else {}, out)
         print(out)
@@ -216,6 +221,8 @@ def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Datase
 
         read = read_sequence(question.sequence)
         common |= {"V": read.V if read.V is not None else question.V, "time": read.time}
+        if read.in_space:
+            return _in_space(springs, read, common)
         states = predict.sequence(springs, read.targets, control=read.control, arm=read.arm, **common)
         return states.assign_attrs(question="sequence")
     if question.u_max is not None:
@@ -255,6 +262,19 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
     H, M = float(loads.H[0]), float(loads.M[0])
     state = predict.way_to_load(springs, H=H, M=M, V=question.V, **common).isel(step=[-1])
     return with_components(state, loads, np.array([T]), torsion_of(springs))
+
+
+def _in_space(springs: AnySprings, read: Sequence, common: dict[str, Any]) -> xr.Dataset:
+    """Return the states of a sequence in six degrees of freedom."""
+    from pysprings.macro.space import sequence_in_space
+    from pysprings.macro.user_curves import CurveSprings
+
+    if isinstance(springs, CurveSprings):
+        refuse("--sequence", "springs of a table answer one plane: columns H_N, M_Nm or u_m, rotation_rad")
+    if common.pop("path") is not None:
+        refuse("--path", "a sequence in six degrees of freedom is answered by springs of several paths")
+    control: SpaceControl = "load" if read.control == "load" else "state"
+    return sequence_in_space(springs, read.targets, control=control, **common)
 
 
 def _tilted(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:

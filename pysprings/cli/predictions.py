@@ -19,7 +19,7 @@ from pysprings.core.words import RANGE_END
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 
 MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded",
-         "linear_twist")  # fmt: skip
+         "linear_twist", "torsion_apart")  # fmt: skip
 COLUMNS = (
     Column("u [mm]", "u", ".5g", 1e3),
     Column("w [mm]", "w", ".5g", 1e3),
@@ -32,7 +32,16 @@ COLUMNS = (
     Column("twist [mrad]", "rot_z", ".5g", 1e3),
     Column("marks", lambda row: ", ".join(name for name in MARKS if row.get(name)), words=True),
 )
-LOADS = ("H", "V", "M")
+# of a sequence in six degrees of freedom, which has no u
+SPACE_COLUMNS = (
+    *(Column(f"u_{axis} [mm]", f"u_{axis}", ".4g", 1e3) for axis in "xy"),
+    *(Column(f"rot_{axis} [mrad]", f"rot_{axis}", ".4g", 1e3) for axis in "xyz"),
+    *(Column(f"H_{axis} [kN]", f"H_{axis}", ".4g", 1e-3) for axis in "xy"),
+    *(Column(f"M_{axis} [kN m]", f"M_{axis}", ".4g", 1e-3) for axis in "xy"),
+    Column("T [kN m]", "T", ".4g", 1e-3),
+    COLUMNS[-1],
+)
+LOADS = ("H", "V", "M", "H_x", "H_y", "M_x", "M_y", "T")
 
 
 def prediction(states: xr.Dataset) -> dict[str, Any]:
@@ -76,7 +85,7 @@ def print_prediction(states: xr.Dataset) -> None:
     rows = prediction(states)["states"]
     noise = ROUNDING * max(abs(row[name]) for name in LOADS if name in states for row in rows)
     clean = [row | {name: 0.0 for name in LOADS if name in row and abs(row[name]) <= noise} for row in rows]
-    print_table(Table.of(filled(COLUMNS, clean), clean))
+    print_table(Table.of(filled(COLUMNS if "u" in states else SPACE_COLUMNS, clean), clean))
     if text := deviations(states):
         print(text)
     if states.attrs.get("question") != "sequence":

@@ -351,6 +351,15 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       ("step", "dof", "dof_conjugate"), _TANGENT),
 )
 
+_SPACE_PREDICTION = {
+    name: replace(_SPACE_PATH[name], required=name not in ("V", "time"))
+    for name in ("u_x", "u_y", "rot_x", "rot_y", "rot_z", "H_x", "H_y", "V", "M_x", "M_y", "T", "converged", "time")
+} | _table(
+    *(_PREDICTION[name] for name in ("range_used", "extrapolated", "off_load")),
+    V("torsion_apart", "1 where torsion and a lateral load act together", "1", ("step",),
+      "the elements of torsion share no friction with the lateral ones"),
+)
+
 EXTRAPOLATED = "extrapolated"  # group of a path: values of two meshes, in the place of those of its own mesh
 _EXTRAPOLATED = {
     v.name: replace(v, required=False)
@@ -369,6 +378,7 @@ GROUPS: dict[str, dict[str, Variable]] = {
     "springs_root": _SPRINGS_ROOT,
     "springs_path": _SPRINGS_PATH,
     "prediction": _PREDICTION,
+    "space_prediction": _SPACE_PREDICTION,
 }
 
 # fmt: on

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.macro.response import Response
+    from pysprings.macro.space import SpaceResponse
     from pysprings.springs.path import SpringPath
     from pysprings.springs.springs import Springs
 
@@ -59,6 +60,8 @@ class SpringSet:
         Sentence that goes with every answer.
     with_stored
         Returns springs with what the set keeps in their file, made where it is missing.
+    in_space
+        Springs -> what answers loads from all sides; None for a set that holds in one plane only.
     """
 
     name: str
@@ -72,6 +75,7 @@ class SpringSet:
     several: str = ""
     remark: str = ""
     with_stored: Callable[[xr.DataTree], xr.DataTree] | None = None
+    in_space: Callable[[Springs], SpaceResponse] | None = None
 
 
 def _rows(springs: Springs, path: str | None, companions: bool) -> Response:
@@ -149,6 +153,12 @@ def _memory() -> ModuleType:
     return build
 
 
+def _space() -> ModuleType:
+    from pysprings.memory import space_model
+
+    return space_model
+
+
 MEMORY = SpringSet(
     name="memory",
     label="springs with memory",
@@ -159,6 +169,7 @@ MEMORY = SpringSet(
     several="springs with memory come from all calibration paths",
     remark=CYCLES,
     with_stored=lambda tree: _memory().with_memory(tree),
+    in_space=lambda springs: _space().SpaceSprings.of(springs),
 )
 
 SPRING_SETS: Registry[SpringSet] = Registry("spring set", (PY, PISA, FULL, FAN, MEMORY), group="pysprings.spring_sets")

@@ -3,6 +3,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -13,11 +14,12 @@ from numpy.typing import NDArray
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
-from pysprings.memory.calibration import ElementSet, calibrate
+from pysprings.memory.calibration import ElementSet, SpaceElements, calibrate
 from pysprings.memory.mixture import ChangingLoad, fitted, mixed, shares_at
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.samples import Sample, samples
 from pysprings.memory.shares import Shares
+from pysprings.memory.space import calibrate_in_space
 from pysprings.memory.water import Water
 from pysprings.springs.path import SpringPath, same_load
 from pysprings.springs.springs import Springs, memory_groups
@@ -168,7 +170,9 @@ def _calibrated(springs: Springs) -> ElementSet:
     stiffness, others = springs.lateral_stiffness / scale / scale[:, None], list[Sample]()
     for at in _at_other_rates(springs):
         others += [way for way in samples(at, build_fan(at)) if way.recorded]
-    return calibrate(samples(springs, table), table, stiffness, others=others)
+    ways = samples(springs, table)
+    planar = calibrate(ways, table, stiffness, others=others)
+    return replace(planar, space=calibrate_in_space(springs, planar, ways, table, stiffness))
 
 
 def _at_other_rates(springs: Springs) -> list[Springs]:
@@ -242,20 +246,46 @@ def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:
         "H_errors": [e[0] for e in elements.errors.values()],
         "M_errors": [e[1] for e in elements.errors.values()],
     }
+    if elements.space is not None:
+        data["space_rows"] = ("space_element", "space_parameter"), elements.space.rows, {"units": "1"}
+        attrs |= _space_attrs(elements.space)
     return xr.Dataset(data, attrs=attrs)
+
+
+def _space_attrs(space: SpaceElements) -> dict[str, Any]:
+    """Return what a spring file holds of elements in space beside their rows."""
+    return {
+        "radius_m": space.radius, "twist_m": space.twist, "space_residual": space.residual,
+        "torsion_residual": space.torsion_residual, "space_ways": list(space.errors),
+        "space_H_errors": [e[0] for e in space.errors.values()],
+        "space_M_errors": [e[1] for e in space.errors.values()],
+    }  # fmt: skip
+
+
+def _errors(attrs: Mapping[Any, Any], of: str = "") -> dict[str, tuple[float, float]]:
+    """Return the errors in H and M of each way that a spring file holds."""
+    ways, *errors = (np.atleast_1d(attrs[f"{of}{name}"]) for name in ("ways", "H_errors", "M_errors"))
+    return {str(way): (float(H), float(M)) for way, H, M in zip(ways, *errors, strict=True)}
+
+
+def _space_of(stored: xr.Dataset) -> SpaceElements | None:
+    """Return the elements in space of the group "memory" of a spring file; None where it has none."""
+    if "space_rows" not in stored:
+        return None
+    names = ("radius_m", "twist_m", "space_residual", "torsion_residual")
+    radius, twist, residual, of_torsion = (float(stored.attrs[name]) for name in names)
+    rows, errors = np.ascontiguousarray(stored["space_rows"].values), _errors(stored.attrs, "space_")
+    return SpaceElements(rows, radius, twist, residual, of_torsion, errors)
 
 
 def from_dataset(stored: xr.Dataset) -> ElementSet:
     """Return the elements of the group "memory" of a spring file."""
     rows, odd, rest, loads, elastic, even = (stored[name].values for name in _HEAD)
-    attrs = stored.attrs
-    ways, pairs = np.atleast_1d(attrs["ways"]), zip(
-        np.atleast_1d(attrs["H_errors"]), np.atleast_1d(attrs["M_errors"]), strict=True)  # fmt: skip
-    errors = {str(way): (float(H), float(M)) for way, (H, M) in zip(ways, pairs, strict=True)}
+    attrs, errors = stored.attrs, _errors(stored.attrs)
     water = Water(stored["water"].values, stored["times"].values) if "water" in stored else None
     shares = Shares(odd.astype(bool), rest, loads, elastic, even, float(attrs["heave_growth"]), water)
     reach, residual, way = (float(attrs[name]) for name in ("reach_m", "residual", "way_m"))
-    return ElementSet(np.ascontiguousarray(rows), reach, shares, residual, errors, way)
+    return ElementSet(np.ascontiguousarray(rows), reach, shares, residual, errors, way, _space_of(stored))
 
 
 def digest(springs: Springs) -> str:
@@ -268,6 +298,9 @@ def digest(springs: Springs) -> str:
     wet = [path for at in (springs, *_at_other_rates(springs)) for path in _calibrating(at)]
     for path in wet if "time" in wet[0] and wet[0].water.any() else ():
         for values in (path.u, path.rotation, path.water, path["time"]):
+            found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+    for space in springs.turning:
+        for values in (space.motions(0.5 * springs.diameter), space.loads(0.5 * springs.diameter)):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
     return found.hexdigest()
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from pysprings.macro.fan import FanTable
 from pysprings.memory.candidates import Candidates, around, candidates, force_directions
 from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE
+from pysprings.memory.offered import Known, Offered, elastic_motions
 from pysprings.memory.samples import Sample
-from pysprings.memory.shares import Shares, at_rest, elastic_motions, shares_of, stiffnesses
+from pysprings.memory.shares import Shares, at_rest, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,27 @@ FORGET = 1e-9  # share of the initial stiffness below which an element is left o
 # Numbers of the state of an element that moves in two planes (a plate: gap and frictional ones; a reversible one keeps
 # none), and of all elements: SoilDyn of OpenFAST keeps 1,200
 PLASTIC_NUMBERS, PLATE_NUMBERS, MOST_NUMBERS = 5, 6, 1190
+
+
+@dataclass(frozen=True, slots=True)
+class SpaceElements:
+    """Calibrated elements in space (`pysprings.memory.space`).
+
+    Attributes
+    ----------
+    rows : (n, SPACE_COLUMNS) parameters, see `pysprings.memory.elements`.
+    radius : at the wall [m], which makes a length of the twist.
+    twist : largest motion of the wall by a twist [m]; 0 without elements of torsion.
+    residual, torsion_residual : norm of what is left of the weighted equations, relative to their right sides.
+    errors : largest error in H and M/L (vectors) of each way out of the plane, over its largest load.
+    """
+
+    rows: Array
+    radius: float
+    twist: float
+    residual: float
+    torsion_residual: float
+    errors: dict[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +62,7 @@ class ElementSet:
     residual : norm of what is left of the weighted equations, relative to their right sides.
     errors : largest error in H and M/L of each way, over the largest load of it.
     way : longest way of the calibration [m]: w beyond it is extrapolated.
+    space : elements in space; None without a path that leaves the plane.
     """
 
     rows: Array
@@ -48,6 +71,7 @@ class ElementSet:
     residual: float
     errors: dict[str, tuple[float, float]]
     way: float
+    space: SpaceElements | None = None
 
     @property
     def largest(self) -> float:
@@ -71,17 +95,19 @@ def calibrate(
     recorded ways (`Sample.recorded`). others: ways at other rates, from which the water's part of p comes, too.
     """
     reach = max(float(np.hypot(*way.motions.T).max()) for way in ways if way.recorded)
-    loads = [way.loads(table) for way in ways]
+    loads, largest = [way.loads(table) for way in ways], SUBSTEP * reach
+    known = [(way.motions, load, way.weights) for way, load in zip(ways, loads, strict=True)]
     first = choice or candidates(reach)
-    _, _, chosen = _fitted(first, ways, loads, stiffness, reach)
-    near = around(first.chosen(chosen))
-    rows, left, chosen = _fitted(near, ways, loads, stiffness, reach)
+    _, _, chosen = fitted(Offered.in_plane(first), known, stiffness, largest)
+    near = Offered.in_plane(around(first.chosen(chosen)))
+    rows, left, chosen = fitted(near, known, stiffness, largest)
     if numbers_of(rows) > most:
-        few = near.chosen(chosen).chosen(_strongest(rows, ways, reach, most))
-        rows, left, _ = _fitted(few, ways, loads, stiffness, reach)
+        few = near.chosen(chosen)
+        few = few.chosen(strongest(rows, few, known, largest, (_numbers(rows[:, 0]), most)))
+        rows, left, _ = fitted(few, known, stiffness, largest)
     pairs = [(way, load) for way, load in zip(ways, loads, strict=True) if way.recorded]
     ways, loads = [way for way, _ in pairs], [load for _, load in pairs]
-    shares, carried = shares_of(rows, ways, loads, table, SUBSTEP * reach, others)
+    shares, carried = shares_of(rows, ways, loads, table, largest, others)
     errors = {}
     for way, load, own in zip(ways, loads, carried, strict=True):
         worst = np.abs(own - load).max(axis=0) / np.abs(load).max()
@@ -90,19 +116,20 @@ def calibrate(
     return ElementSet(rows, reach, shares, left, errors, longest)
 
 
-def _fitted(
-    choice: Candidates, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
+def fitted(
+    choice: Offered, known: Sequence[Known], stiffness: Array, largest: float
 ) -> tuple[Array, float, NDArray[np.bool_]]:
-    """Return elements (n, COLUMNS) chosen from candidates, the relative residual, and which are chosen."""
+    """Return elements (n, COLUMNS) chosen from those offered, the relative residual, and which are chosen.
+
+    known: ways with their loads, in the plane of x or in space. largest: step of a motion [m].
+    """
     from scipy.optimize import nnls  # a prediction by a fan does without SciPy
 
-    plastic, *others = choice.rows
-    single = np.concatenate(others)
-    A, b = _system(plastic, single, ways, loads, stiffness, reach)
+    A, b = _system(choice, known, stiffness, largest)
     size = np.linalg.norm(A, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
-    rows, chosen = _merged(plastic, single, factors / size, FORGET * float(np.trace(stiffness)))
+    rows, chosen = _merged(choice, factors / size, FORGET * float(np.trace(stiffness)))
     return rows, float(left / np.linalg.norm(b)), chosen
 
 
@@ -115,17 +142,22 @@ def _numbers(kind: Array) -> NDArray[np.int64]:
     return np.where(kind == REVERSIBLE, 0, np.where(kind == PLASTIC, PLASTIC_NUMBERS, PLATE_NUMBERS))
 
 
-def _strongest(rows: Array, ways: Sequence[Sample], reach: float, most: int) -> NDArray[np.bool_]:
-    """Return which elements carry most along the ways, as many as have this many numbers together."""
-    carried = np.zeros(len(rows))
-    for way in ways:
-        e = elastic_motions(rows, way.motions, SUBSTEP * reach)[0]
-        forces = _forces(rows, e) * way.weights[:, None, None]
-        carried += (forces**2).sum(axis=(0, 2))
+def strongest(
+    rows: Array, choice: Offered, known: Sequence[Known], largest: float, limit: tuple[NDArray[np.int64], int]
+) -> NDArray[np.bool_]:
+    """Return which elements carry most along the ways, as many as have at most so many numbers together.
+
+    rows (n, COLUMNS): those offered, with their stiffness. limit: numbers of each element (n,), and the most of all.
+    """
+    carried, (numbers, most) = np.zeros(len(rows)), limit
+    for motions, _, weights in known:
+        e = elastic_motions(choice.with_rows(rows), motions, largest)
+        for plane in range(0, e.shape[2], 2):
+            forces = _forces(rows, e[:, :, plane : plane + 2]) * weights[:, None, None]
+            carried += (forces**2).sum(axis=(0, 2))
     order = np.argsort(-carried)
-    numbers = _numbers(rows[order, 0]).cumsum()
     keeps = np.zeros(len(rows), dtype=bool)
-    keeps[order[numbers <= most]] = True
+    keeps[order[numbers[order].cumsum() <= most]] = True
     return keeps
 
 
@@ -134,26 +166,28 @@ def way_of(motions: Array) -> float:
     return float(np.hypot(*np.diff(motions, axis=0, prepend=np.zeros((1, 2))).T).sum())
 
 
-def _system(
-    plastic: Array, single: Array, ways: Sequence[Sample], loads: Sequence[Array], stiffness: Array, reach: float
-) -> tuple[Array, Array]:
-    """Return matrix and right side of the equations, two a point, and three of the initial stiffness.
+def _system(choice: Offered, known: Sequence[Known], stiffness: Array, largest: float) -> tuple[Array, Array]:
+    """Return matrix and right side of the equations, two a point and plane, and three of the initial stiffness.
 
-    single: rows of elements whose B has one factor alone, all but plastic ones.
+    B of plastic elements has a factor in each direction of the force, that of others one factor alone.
     """
-    m = force_directions()
+    m, plastic = force_directions(), choice.plastic
+    single = choice.rows[~plastic]
     blocks, right = [], []
-    for way, load in zip(ways, loads, strict=True):
-        e = elastic_motions(plastic, way.motions, SUBSTEP * reach)[0] @ m.T
-        along = (e[:, None] * m.T[None, :, None]).reshape(len(load), 2, -1)
-        forces = _forces(single, elastic_motions(single, way.motions, SUBSTEP * reach)[0]).transpose(0, 2, 1)
-        weighted = np.concatenate([along, forces], axis=2) * way.weights[:, None, None]
-        blocks.append(weighted.reshape(2 * len(load), -1))
-        right.append((load * way.weights[:, None]).ravel())
+    for motions, load, weights in known:
+        e = elastic_motions(choice, motions, largest)
+        for plane in range(0, e.shape[2], 2):
+            own = e[:, :, plane : plane + 2]
+            sizes = own[:, plastic] @ m.T
+            along = (sizes[:, None] * m.T[None, :, None]).reshape(len(load), 2, -1)
+            forces = _forces(single, own[:, ~plastic]).transpose(0, 2, 1)
+            weighted = np.concatenate([along, forces], axis=2) * weights[:, None, None]
+            blocks.append(weighted.reshape(2 * len(load), -1))
+            right.append((load[:, plane : plane + 2] * weights[:, None]).ravel())
     aim = np.array([stiffness[0, 0], 0.5 * (stiffness[0, 1] + stiffness[1, 0]), stiffness[1, 1]])
     own = np.stack([m[:, 0] ** 2, m[:, 0] * m[:, 1], m[:, 1] ** 2])
-    B = at_rest(single)
-    first = np.concatenate([np.tile(own, len(plastic)), np.stack([B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]])], axis=1)
+    B, n = at_rest(single), int(plastic.sum())
+    first = np.concatenate([np.tile(own, n), np.stack([B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]])], axis=1)
     blocks.append(STIFFNESS * first / np.abs(aim)[:, None])
     right.append(STIFFNESS * aim / np.abs(aim))
     return np.concatenate(blocks), np.concatenate(right)
@@ -165,16 +199,15 @@ def _forces(rows: Array, e: Array) -> Array:
     return forces
 
 
-def _merged(plastic: Array, single: Array, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the chosen elements (n, COLUMNS) with stiffness, and which of all (plastic, then single) they are."""
-    m = force_directions()
-    own = factors[: len(plastic) * len(m)].reshape(len(plastic), len(m))
+def _merged(choice: Offered, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the chosen elements (n, COLUMNS) with stiffness, and which of all that are offered they are."""
+    m, plastic, rows = force_directions(), choice.plastic, choice.rows.copy()
+    n = int(plastic.sum())
+    own, sizes = factors[: n * len(m)].reshape(n, len(m)), np.zeros(len(rows))
+    sizes[plastic], sizes[~plastic] = own.sum(axis=1), factors[n * len(m) :]
     B = np.einsum("kj,ja,jb->kab", own, m, m)
-    rows = plastic.copy()
-    rows[:, 4], rows[:, 5], rows[:, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
-    others, sizes = single.copy(), factors[len(plastic) * len(m) :]
-    plate = np.isin(others[:, 0], PLATES)
-    others[plate, 6] = sizes[plate]
-    others[~plate, 4:7] *= sizes[~plate, None]
-    chosen = np.concatenate([own.sum(axis=1), sizes]) > least
-    return np.concatenate([rows, others])[chosen], chosen
+    rows[plastic, 4], rows[plastic, 5], rows[plastic, 6] = B[:, 0, 0], B[:, 0, 1], B[:, 1, 1]
+    plate, reversible = np.isin(rows[:, 0], PLATES), rows[:, 0] == REVERSIBLE
+    rows[plate, 6] = sizes[plate]
+    rows[reversible, 4:7] *= sizes[reversible, None]
+    return rows[sizes > least], sizes > least

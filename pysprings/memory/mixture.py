@@ -164,7 +164,7 @@ class ChangingLoad:
         for rows, kept, part in steps:
             relax(self.rows, states, q, kept)
             aims = np.stack([last, way[0] + part * (way[1] - way[0])])
-            n, *at = follow(rows, drive, self.largest, q, states, aims, found, carried)
+            n, at = follow(rows, drive, self.largest, q, states, aims, found, carried)
             if n < len(aims):
                 return q, None, (at[0], at[1])
             q, last = found[1].copy(), aims[1]

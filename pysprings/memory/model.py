@@ -183,10 +183,10 @@ class MemorySprings(FanSprings):
         states = np.zeros((len(self.elements.rows), STATES))
         way = np.concatenate([np.zeros((1, 2)), aims])
         motions, loads = np.zeros(way.shape), np.zeros(way.shape)
-        n, at0, at1 = follow(self.elements.rows, drive, self.elements.largest, np.zeros(2), states, way, motions, loads)
+        n, at = follow(self.elements.rows, drive, self.elements.largest, np.zeros(2), states, way, motions, loads)
         found, carried = motions[1:n] / self.to_motion, loads[1:n] * self.to_motion
-        at = self._target(control, np.array([at0, at1]))
-        return found, carried, "" if n == len(way) else ending(control, at, targets[n - 1], found, carried)
+        end = self._target(control, at)
+        return found, carried, "" if n == len(way) else ending(control, end, targets[n - 1], found, carried)
 
     def equations(self, control: Control, targets: Array, arm: float) -> tuple[Drive, Array]:
         """Return the equations of a control in (u, rotation*L) and (H, M/L), and their right sides (n, 2)."""

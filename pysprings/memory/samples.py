@@ -110,19 +110,24 @@ def _pulls(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
 def _turning(path: SpringPath, table: FanTable, weight: float, rate: float | None) -> Sample:
     """Return a ray that turns back, at even distances of its way and close behind its turns."""
     motions = np.stack([path.u, path.turn], axis=1)
-    steps = np.diff(motions, axis=0)
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
-    turns = way[1:-1][(steps[1:] * steps[:-1]).sum(axis=1) < 0.0]
-    reach = float(np.max(np.hypot(*motions.T)))
-    behind = reach * np.array([0.0, *BEHIND])
-    near = (np.array([0.0, *turns])[:, None] + 2.5 * behind).ravel()
-    at = np.unique(np.concatenate([np.arange(way[-1], 0.0, -2.5 * EVERY * reach), near]))
-    at = at[(at > 0.0) & (at <= way[-1])]
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(motions, axis=0).T))])
+    at = places(motions, way, float(np.max(np.hypot(*motions.T))))
     rows = np.stack([np.interp(at, way, row) for row in reaction_rows(path, bool(table.wet.any()))])
     motions = np.stack([np.interp(at, way, column) for column in motions.T], axis=1)
     timed = rate is not None and "time" in path
     time = np.interp(at, way, path["time"] - path["time"][0]) if timed else None
     return Sample(path.name, motions, rows, _weights(rows, table, weight), True, time=time)
+
+
+def places(motions: Array, way: Array, reach: float) -> Array:
+    """Return distances [m] along a way (n,) of motions (n, m) [m] from rest: even ones, and behind its turns."""
+    steps = np.diff(motions, axis=0)
+    turns = way[1:-1][(steps[1:] * steps[:-1]).sum(axis=1) < 0.0]
+    behind = reach * np.array([0.0, *BEHIND])
+    near = (np.array([0.0, *turns])[:, None] + 2.5 * behind).ravel()
+    at = np.unique(np.concatenate([np.arange(way[-1], 0.0, -2.5 * EVERY * reach), near]))
+    found: Array = at[(at > 0.0) & (at <= way[-1])]
+    return found
 
 
 def _weights(rows: Array, table: FanTable, way: float) -> Array:

@@ -9,6 +9,7 @@ from pysprings.core.path_kinds import CALIBRATION, MEMORY, PATH_KINDS, UNITS
 from pysprings.core.units import show
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.extent import Extent
+from pysprings.scene.fan import space_paths
 from pysprings.scene.interface import drainage_clashes, interface_clashes
 from pysprings.scene.layers import (
     in_layer,
@@ -224,7 +225,8 @@ def _changing_loads(scene: SceneSections) -> Iterator[Clash]:
 def _load_paths(scene: SceneSections) -> Iterator[Clash]:
     """Check the paths; what is wrong with one of the fan is wrong with its reach."""
     own, coupled = len(scene.paths), scene.drainage.mode == "coupled"
-    of_fan = scene.load_paths[sum(not path.in_space for path in scene.paths) :]
+    plane, turning = scene.load_paths, space_paths(scene.springs, scene.caisson)
+    of_fan = (*plane[sum(not path.in_space for path in scene.paths) :], *turning)
     for clash in (*_paths((*scene.paths, *of_fan)), *(_times(scene.paths) if coupled else ())):
         keys = (key if key[0] != "path" or int(key[1]) < own else _REACH for key in clash.keys)
         yield Clash(tuple(dict.fromkeys(keys)), clash.message)

@@ -25,6 +25,9 @@ _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
 REVERSED = (0, 30, 50)
 CHANGING = 0.12  # over the reach: ends of rays on which V changes
 TURNS = (0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4)
+# Out of one plane, over the reach: radius of the circle, ends of the twist at the wall, and the elbow that is held back
+CIRCLE, TWIST, ELBOW = 0.25, (0.12, -0.12, 0.4, -0.4, 1.0), (0.25, 0.5)
+MOST_TWIST = 0.5  # rad
 
 
 def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
@@ -40,6 +43,25 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
         parts += _changing(springs, caisson)
     if springs.held_back:
         parts += _pulls(springs, caisson, rates[0])
+    return tuple(Path(**part) for part in parts)
+
+
+def space_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
+    """Return the paths of a fan that leave one plane: a circle and a twist, and an elbow that is held back."""
+    if springs.reach is None or not springs.directions:
+        return ()
+    wall = min(springs.reach / (0.5 * caisson.outer_diameter), MOST_TWIST)
+    twist = {"name": "twist", "kind": "twist", "twist": TWIST[0] * wall, "role": MEMORY}
+    twist["then"] = tuple(Then(end * wall) for end in TWIST[1:])
+    parts: list[dict[str, Any]] = [
+        {"name": "circle", "kind": "circle", "radius": CIRCLE * springs.reach, "role": MEMORY}, twist,
+    ]  # fmt: skip
+    if springs.held_back:
+        first, second = (share * springs.reach for share in ELBOW)
+        across = (Then(second, towards=0.5 * math.pi),)
+        parts.append({
+            "name": "elbow", "kind": _PULL, "lateral_displacement": first, "then": across, "role": "held-back",
+        })  # fmt: skip
     return tuple(Path(**part) for part in parts)
 
 

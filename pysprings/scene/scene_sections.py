@@ -10,7 +10,7 @@ from pydantic import Field as Key
 from pysprings.core.words import AUTO, Discretisation
 from pysprings.scene.design_load import Design
 from pysprings.scene.extent import Extent, make_extent
-from pysprings.scene.fan import fan_paths
+from pysprings.scene.fan import fan_paths, space_paths
 from pysprings.scene.fields import Text
 from pysprings.scene.ground import Ground, make_ground
 from pysprings.scene.sections import (
@@ -80,8 +80,9 @@ class SceneSections(Section):
 
     @cached_property
     def all_paths(self) -> tuple[Path, ...]:
-        """The paths of a run: those in one plane, then those that leave it."""
-        return (*self.load_paths, *(path for path in self.paths if path.in_space))
+        """The paths of a run: those in one plane, then those that leave it, of the scene and of its fan."""
+        own = (path for path in self.paths if path.in_space)
+        return (*self.load_paths, *own, *space_paths(self.springs, self.caisson))
 
     def vertical_load_of(self, path: Path) -> float | str:
         """Return the vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""

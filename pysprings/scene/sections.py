@@ -429,7 +429,8 @@ class Springs(Section):
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
     is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays at each
     vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it, and with `vertical_loads`, without
-    `rates`, three more at 12 % while the vertical load changes. `rays` has other directions than these.
+    `rates`, three more at 12 % while the vertical load changes. `rays` has other directions than these. With
+    `directions` a circle at a quarter of it and a twist leave the plane, and an elbow that is held back.
     """
 
     reach: Annotated[float | None, _REACH] = None
@@ -439,6 +440,9 @@ class Springs(Section):
     rates: Annotated[tuple[float, ...], _RATES] = ()
     held_back: Annotated[bool, Flag("also compute pulls at five heights, on which the springs are only checked")] = True
     memory: Annotated[bool, Flag("also compute rays that turn back, which give the springs a memory")] = False
+    directions: Annotated[
+        bool, Flag("also compute a circle and a twist, which give springs with memory all directions")
+    ] = False
 
 
 # of Cerfontaine, Charlier & Collin (2018)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pysprings.core.path_kinds import HELD_BACK, LOADS, MOTIONS, UNITS
+from pysprings.core.path_kinds import CALIBRATION, LOADS, MOTIONS, UNITS
 from pysprings.scene.positions import Clash, KeyPath
 
 if TYPE_CHECKING:
@@ -32,6 +32,12 @@ def space_clashes(scene: SceneSections) -> Iterator[Clash]:
             here: KeyPath = ("path", index)
             for key, text in _refusals(scene):
                 yield Clash((here, key), f"path '{path.name}' leaves the plane of one load: {text}")
+    if scene.springs.reach is not None and scene.springs.directions:
+        if not scene.springs.memory:
+            keys = ("springs", "directions"), ("springs", "memory")
+            yield Clash(keys, "springs with memory alone answer in all directions: memory = true is needed, too")
+        for key, text in _refusals(scene):
+            yield Clash((("springs", "directions"), key), f"its paths leave the plane of one load: {text}")
 
 
 def _refusals(scene: SceneSections) -> Iterator[tuple[KeyPath, str]]:
@@ -55,8 +61,8 @@ def space_path(here: KeyPath, path: Path) -> Iterator[Clash]:
             yield Clash(((*here, name), where), f'a path of kind "{kind}" that leaves a plane does not use it')
     if not uses:
         return
-    if path.role != HELD_BACK:
-        text = 'springs are made from paths in one plane only: this path needs role = "held-back"'
+    if path.role == CALIBRATION:
+        text = 'fans are made from paths in one plane: this path needs role = "memory" or "held-back"'
         yield Clash(((*here, "role"), where), text)
     ends = [getattr(path, name) for name in uses if name not in ("report_at", "then", "direction", "arm")]
     if not any(ends):

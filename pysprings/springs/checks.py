@@ -21,9 +21,9 @@ from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.files.storage import read_tree, write_tree
 from pysprings.core.files.written import is_device
 from pysprings.core.magnitudes import LARGEST, SMALLEST_AT_ALL
-from pysprings.core.path_kinds import PAIRS, PARTS, PATH_KINDS, ROLES
+from pysprings.core.path_kinds import LOADS, MOTIONS, PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.units import quoted
-from pysprings.springs.path import RecordedPath, paths_of
+from pysprings.springs.path import RecordedPath, SpacePath, paths_of, space_paths_of
 from pysprings.springs.path_ends import end_faults, is_number, text_of
 from pysprings.springs.sums import BALANCED, balance_faults, by_depth
 
@@ -47,6 +47,7 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     )
     paths = [] if problems else list(paths_of(tree).values())
     problems = problems or [fault for path in paths for fault in _path_faults(tree, path)]
+    problems = problems or [fault for path in space_paths_of(tree).values() for fault in _space_faults(path)]
     problems = problems or [
         (f"paths/{path.name}/{key}", text) for path in paths if balanced for key, text in balance_faults(path.recorded)
     ]
@@ -115,6 +116,11 @@ def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for key in ("dof", "dof_conjugate"):
         if tuple(tree.dataset[key].values) != variables.DOFS:
             yield key, f"labels must be {', '.join(variables.DOFS)}"
+    for name, space in space_paths_of(tree).items():
+        if wrong := name_fault(name):
+            yield f"space/{quoted(name)}", wrong
+        problems = number_faults(space.recorded, "space_path")
+        yield from ((f"space/{name}/{key}", text) for key, text in problems)
     for name, path in paths_of(tree).items():
         if wrong := name_fault(name):
             yield f"paths/{quoted(name)}", wrong
@@ -148,6 +154,21 @@ def _path_faults(tree: xr.DataTree, path: RecordedPath) -> Iterator[tuple[str, s
     yield from ((f"{place}/{key}", text) for key, text in _depth_faults(dataset, tree.attrs["skirt_length_m"]))
     rigid = tree.attrs.get("caisson_behaviour") != "elastic"
     yield from ((f"{place}/{key}", text) for key, text in _step_faults(dataset, rigid))
+
+
+def _space_faults(path: SpacePath) -> Iterator[tuple[str, str]]:
+    """Yield what is wrong with a path that leaves the plane of one load."""
+    place, attrs = f"space/{path.name}", path.attrs
+    for key, allowed in (("kind", tuple(PATH_KINDS)), ("role", ROLES[1:])):
+        if text_of(attrs.get(key)) not in allowed:
+            yield f"{place}/{key}", f"attribute must be one of {', '.join(allowed)}"
+    good = path.recorded["converged"].values == 1
+    if good.sum() < FEWEST_STATES or not good[0]:
+        yield f"{place}/converged", "needs the initial state and at least one converged step"
+        return
+    for name in (*MOTIONS, *LOADS):
+        if not np.isfinite(path[name]).all():
+            yield f"{place}/{name}", "not finite at a converged step"
 
 
 def _depth_faults(dataset: xr.Dataset, length: float) -> Iterator[tuple[str, str]]:

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Full-model result -> spring set: interface reactions by depth, and the check that they balance the load."""
 
+import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
 from pysprings.core.variables import TORSION
 from pysprings.springs.checks import FEWEST_STATES, RESULT, SCHEMA, validate_springs
-from pysprings.springs.path import paths_of
+from pysprings.springs.path import SpacePath, paths_of, pure_of, rays_of, space_paths_of
 from pysprings.springs.path_ends import MARGIN
 
 _ROOT_ATTRS = (
@@ -42,6 +43,29 @@ def extract_springs(result: xr.DataTree) -> xr.DataTree:
         springs = path[[*_KEPT, *(name for name in (MARGIN,) if name in path)]]
         springs.attrs = path.attrs
         groups[f"/paths/{each.name}"] = variables.attach(springs, "springs_path")
+    for space in space_paths_of(result).values():
+        if space.n >= FEWEST_STATES:
+            groups[f"/space/{space.name}"] = _without_mesh(result, space)
     tree = xr.DataTree.from_dict(groups, name="springs")
     validate_springs(tree)
     return tree
+
+
+def _without_mesh(result: xr.DataTree, path: SpacePath) -> xr.Dataset:
+    """Return a path that leaves the plane without fields, its lateral loads extrapolated as those of a translation.
+
+    Only paths in one plane are extrapolated. Loads and p out of it are multiplied by what the extrapolation makes
+    of the load (H, M/L) of the pure translation at the same displacement of the lid centre; as recorded without one.
+    """
+    found = path.recorded.drop_dims("azimuth", errors="ignore")
+    own, better = (paths_of(result, of_mesh) for of_mesh in (True, False))
+    pure = pure_of(rays_of(each for each in better.values() if each.calibrates))
+    if pure is None or own[pure[0]].recorded.identical(better[pure[0]].recorded):
+        return found
+    moved = np.hypot(found["u_x"], found["u_y"])
+    both = [each[pure[0]] for each in (own, better)]
+    mesh, known = (np.interp(moved, each.u, np.hypot(each["H"], each["M"] / path.length)) for each in both)
+    factor = xr.DataArray(np.where(mesh > 0.0, known / np.where(mesh > 0.0, mesh, 1.0), 1.0), dims="step")
+    lateral = ("H_x", "H_y", "M_x", "M_y", "p_x", "p_y")
+    changed = found.assign({name: (found[name] * factor).transpose(*found[name].dims) for name in lateral})
+    return variables.attach(changed, "space_path")

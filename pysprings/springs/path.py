@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.path_kinds import MEMORY, PathKind, bends, driven, is_straight, kind_of, turns_back
+from pysprings.core.path_kinds import LOADS, MEMORY, MOTIONS, PathKind, bends, driven, is_straight, kind_of, turns_back
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
@@ -48,6 +48,9 @@ def is_rate(a: float, b: float) -> bool:
 
 
 Array = NDArray[np.float64]
+# Motions and loads of a path out of one plane that springs answer; V is given, and w follows
+SPACE_TURNS = tuple(name for name in MOTIONS if name != "w")
+SPACE_LOADS = tuple(name for name in LOADS if name != "V")
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,6 +273,44 @@ class SpringPath(RecordedPath):
         return SpringPath(self.name, self.dataset.isel(step=list(steps)), self.length)
 
 
+@dataclass(frozen=True, eq=False)
+class SpacePath(RecordedPath):
+    """A path that leaves the plane of one load: motions `u_x, u_y, w, rot_x, rot_y, rot_z`, loads `H_x ... T`."""
+
+    def turns(self) -> Array:
+        """Return (u_x, u_y, rot_x, rot_y, rot_z) (n, 5) from rest, m and rad."""
+        return self._from_rest(SPACE_TURNS)
+
+    def pushes(self) -> Array:
+        """Return (H_x, H_y, M_x, M_y, T) (n, 5) from rest, N and N m."""
+        return self._from_rest(SPACE_LOADS)
+
+    def motions(self, radius: float) -> Array:
+        """Return (u_x, rot_y L, u_y, -rot_x L, rot_z R) (n, 5) [m] from rest; radius R [m] at the wall."""
+        return self.scaled(self.turns(), self.length, radius)
+
+    def loads(self, radius: float) -> Array:
+        """Return (H_x, M_y/L, H_y, -M_x/L, T/R) (n, 5) [N] from rest, conjugate to `motions`."""
+        return self.scaled(self.pushes(), 1.0 / self.length, 1.0 / radius)
+
+    @staticmethod
+    def scaled(values: Array, length: float, radius: float) -> Array:
+        """Return motions or loads (n, 5) in the order and with the units of `motions` or `loads`."""
+        return values[:, [0, 3, 1, 2, 4]] * np.array([1.0, length, 1.0, -length, radius])
+
+    def _from_rest(self, names: Sequence[str]) -> Array:
+        values = np.stack([self[name] for name in names], axis=1)
+        found: Array = values - values[0]
+        return found
+
+
+def space_paths_of(tree: xr.DataTree) -> dict[str, SpacePath]:
+    """Return the paths of a result or of a spring file that leave the plane of one load, by name, in order."""
+    nodes = tree.children["space"].children if "space" in tree.children else {}
+    length = float(tree.attrs.get("skirt_length_m", np.nan))
+    return {name: SpacePath(name, node.to_dataset(inherit=False), length) for name, node in nodes.items()}
+
+
 def paths_of(tree: xr.DataTree, of_mesh: bool = False) -> dict[str, RecordedPath]:
     """Return the paths of a result or of a spring file by name, in order, as they were recorded.
 
@@ -307,7 +348,7 @@ def keeps_direction(u: Array, turn: Array) -> bool:
     return not (np.abs(u * turn[-1] - turn * u[-1]) > STRAIGHT * rho * rho[-1])[first:].any()
 
 
-def ray_of(path: SpringPath) -> tuple[float, float] | None:
+def ray_of(path: RecordedPath) -> tuple[float, float] | None:
     """Return angle [rad] in (-pi/2, pi/2] and size [m] of a straight path from the origin; None for any other."""
     u, v = path.u, path.turn
     rho = np.hypot(u, v)
@@ -320,7 +361,7 @@ def ray_of(path: SpringPath) -> tuple[float, float] | None:
     return (angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi, float(rho[-1])
 
 
-def rays_of(paths: Iterable[SpringPath]) -> dict[str, float]:
+def rays_of(paths: Iterable[RecordedPath]) -> dict[str, float]:
     """Return the paths that are rays by increasing angle [rad]; of rays in one direction the longest alone."""
     candidates = [(ray[1], ray[0], path.name) for path in paths if (ray := ray_of(path)) is not None]
     distinct: list[tuple[float, str]] = []

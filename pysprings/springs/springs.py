@@ -20,7 +20,16 @@ from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
 from pysprings.springs import path_sets
 from pysprings.springs.checks import check_schema, validate_springs
-from pysprings.springs.path import SpringPath, is_rate, paths_of, pure_of, rays_of, same_load
+from pysprings.springs.path import (
+    SpacePath,
+    SpringPath,
+    is_rate,
+    paths_of,
+    pure_of,
+    rays_of,
+    same_load,
+    space_paths_of,
+)
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.path_sets import Between, LoadSet, RateSet
 
@@ -70,6 +79,7 @@ class Springs:
     paths : load paths by name, in the order of the file.
     memory : calibrated elements of springs with memory (`pysprings.memory`) by name of their group, one for each
         vertical load and rate; empty where none are stored.
+    space : paths that leave the plane of one load, by name; those of the role "memory" calibrate springs with memory.
     spread : standard deviation of springs of an atlas (`check_spread`); None for those of a full model.
     whole : springs at all vertical loads, of springs at one of several; else None.
     every_rate : springs at all rates, of springs at one; else None.
@@ -79,6 +89,7 @@ class Springs:
     root: xr.Dataset
     paths: Mapping[str, SpringPath]
     memory: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    space: Mapping[str, SpacePath] = field(default_factory=dict)
     spread: xr.Dataset | None = None
     whole: Springs | None = None
     every_rate: Springs | None = None
@@ -100,13 +111,14 @@ class Springs:
         paths = {each.name: SpringPath(each.name, each.recorded, each.length) for each in paths_of(source).values()}
         stored = {name: source.children[name].to_dataset(inherit=False) for name in memory_groups(source)}
         spread = check_spread(source.children[SPREAD].to_dataset(inherit=False)) if SPREAD in source.children else None
-        return cls(root, paths, stored, spread)
+        return cls(root, paths, stored, space_paths_of(source), spread)
 
     @cached_property
     def tree(self) -> xr.DataTree:
         """The springs as a tree, as `save_springs` writes it."""
         groups = {"/": self.root} | {f"/paths/{name}": path.recorded for name, path in self.paths.items()}
         groups |= {f"/{name}": elements for name, elements in self.memory.items()}
+        groups |= {f"/space/{name}": path.recorded for name, path in self.space.items()}
         groups |= {} if self.spread is None else {f"/{SPREAD}": self.spread}
         return xr.DataTree.from_dict(groups, name="springs")
 
@@ -204,6 +216,13 @@ class Springs:
         loads, turning = self.blended_loads or (main,), [path for path in self.paths.values() if path.remembers]
         own = [path for path in turning if not path.load_changes]
         return tuple(path for path in own if any(same_load(path.load, load) for load in loads))
+
+    @cached_property
+    def turning(self) -> tuple[SpacePath, ...]:
+        """Paths of the role "memory" that leave the plane, at the vertical load of the main paths."""
+        main = self.paths[self.main_paths[0]].load if self.main_paths else self.rest_load
+        found = (path for path in self.space.values() if path.remembers and path.n > 1)
+        return tuple(path for path in found if same_load(path.load, main))
 
     @cached_property
     def changing(self) -> tuple[SpringPath, ...]:

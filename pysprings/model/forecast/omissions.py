@@ -130,7 +130,7 @@ def _steel(scene: Scene) -> list[Omission]:
 
 def _plane(scene: Scene) -> str:
     """Return why half of the domain is enough."""
-    beyond = any(path.in_space for path in scene.paths)
+    beyond = any(path.in_space for path in scene.all_paths)
     return f"symmetry about the loading plane{'; paths that leave it have the whole' if beyond else ''}"
 
 

@@ -10,28 +10,41 @@ from numpy.typing import NDArray
 
 from pysprings.core.tables import Column, Table, one_table
 from pysprings.macro.ways import Control
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
 
 Array = NDArray[np.float64]
 
+_UNITS = {"u": "m", "r": "rad", "H": "N", "M": "Nm", "T": "Nm"}
+_TURNS, _PUSHES = (tuple(f"{name}_{_UNITS[name[0]]}" for name in names) for names in (SPACE_TURNS, SPACE_LOADS))
 COLUMNS = tuple(
     Column.named(name, others)
     for name, others in {
         "H_N": ("horizontal",), "M_Nm": ("moment",), "V_N": ("vertical",), "u_m": (), "rotation_rad": (),
-        "arm_m": ("height", "lever arm"), "time_s": ("t",),
+        "arm_m": ("height", "lever arm"), "time_s": ("t",), "w_m": (),
+        **{name: () for name in (*_TURNS, *_PUSHES)},
     }.items()
 )  # fmt: skip
 FORMS = "H_N with M_Nm or arm_m; u_m and rotation_rad; or one of u_m and rotation_rad with arm_m; V_N, time_s with any"
+SPACE_FORMS = f"some of {', '.join(_PUSHES)}, or some of {', '.join(_TURNS)}; V_N, time_s with either"
 
 
 @dataclass(frozen=True, slots=True)
 class Sequence:
-    """Targets (n, 2) of a control, the height of the load [m]; V [N], time [s] by row (None: not given)."""
+    """Targets (n, 2) of a control, the height of the load [m]; V [N], time [s] by row (None: not given).
+
+    Of six degrees of freedom they are (n, 5) (`pysprings.macro.space.sequence_in_space`).
+    """
 
     control: Control
     targets: Array
     arm: float
     V: Array | None
     time: Array | None
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the rows are loads or motions in six degrees of freedom."""
+        return self.targets.shape[1] > 2
 
 
 def read_sequence(path: str | os.PathLike[str]) -> Sequence:
@@ -62,12 +75,17 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
     if "time_s" in columns:
         for k in np.flatnonzero(np.diff(columns["time_s"], prepend=0.0) <= 0.0):
             table.fault(int(k), "time_s", "must be later than the row before, and than 0 s")
+    for k in np.flatnonzero(columns.get("w_m", np.zeros(0))):
+        table.fault(int(k), "w_m", "w follows from the vertical load: leave the column out, or 0")
     table.faults.stop()
     return _built(columns)
 
 
 def _built(columns: dict[str, Array]) -> Sequence:
     zero, rest = np.zeros(len(next(iter(columns.values())))), (columns.get("V_N"), columns.get("time_s"))
+    if found := [names for names in (_TURNS, _PUSHES) if set(names) & set(columns)]:
+        targets = np.stack([columns.get(name, zero) for name in found[0]], axis=1)
+        return Sequence("state" if found[0] is _TURNS else "load", targets, 0.0, *rest)
     u, rotation = columns.get("u_m"), columns.get("rotation_rad")
     if u is not None and rotation is not None:
         return Sequence("state", np.stack([u, rotation], axis=1), 0.0, *rest)
@@ -85,6 +103,15 @@ def _check_columns(table: Table) -> None:
     if table.faults.problems:
         return
     there = set(table.columns)
+    turns, pushes = there & set(_TURNS), there & set(_PUSHES)
+    if turns or pushes:
+        if others := sorted(there - {*_TURNS, *_PUSHES, "V_N", "time_s", "w_m"}):
+            table.fault(None, others[0], f"of one plane, beside columns of six degrees of freedom: {SPACE_FORMS}")
+        elif turns and pushes:
+            table.fault(None, None, f"expected either loads or motions: {SPACE_FORMS}")
+        return
+    if "w_m" in there:
+        table.fault(None, "w_m", f"one column too many: {FORMS}")
     loads, motions = there & {"H_N", "M_Nm"}, there & {"u_m", "rotation_rad"}
     if bool(loads) == bool(motions):
         table.fault(None, None, f"expected either loads or motions: {FORMS}")

@@ -249,7 +249,7 @@ def test_motions_are_judged_alike_in_any_direction():
     (TWIST, {"drainage": {"mode": "undrained"}}, "mode = \"drained\""),
     (TWIST, {"caisson": {"behaviour": "elastic"}}, "behaviour = \"rigid\""),
     (TWIST, {"output": {"paraview": True}}, "half of a caisson"),
-    (TWIST | {"role": "calibration"}, {}, 'role = "held-back"'),
+    (TWIST | {"role": "calibration"}, {}, 'role = "memory" or "held-back"'),
     ({"name": "a", "kind": "twist"} | HELD, {}, "needs twist"),
     ({"name": "a", "kind": "motion"} | HELD, {}, "needs one of u_x"),
     (TWIST | {"H_x": 1e6}, {}, "does not use it"),

@@ -6,7 +6,9 @@ from itertools import product
 import pytest
 
 from pysprings import Scene
+from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import MEMORY
+from pysprings.full_model.accuracy.two_mesh import coarser
 from tests.support import tiny
 
 REACH = 0.02
@@ -50,3 +52,36 @@ def test_rays_turn_back_while_the_vertical_load_changes_where_there_are_several(
     coupled["springs"] = coupled["springs"] | {"rates": (1e-5,)}
     for scene in (one, Scene.model_validate(coupled)):
         assert not any(then.load for path in scene.load_paths for then in path.then)
+
+
+def test_directions_add_a_circle_a_twist_and_an_elbow_that_leave_the_plane() -> None:
+    """Not among the planar paths; the elbow goes with `held_back`, all with `reach`."""
+    springs = {"reach": REACH, "memory": True, "directions": True}
+    scene = tiny.sand(springs=springs)
+    circle, twist, elbow = (path for path in scene.all_paths if path.in_space)
+    assert (circle.kind, circle.radius, circle.role) == ("circle", 0.25 * REACH, MEMORY)
+    ends = [twist.twist, *(then.value for then in twist.then)]
+    wall = 0.5 * scene.caisson.outer_diameter
+    assert [wall * float(end or 0.0) / REACH for end in ends] == pytest.approx([0.12, -0.12, 0.4, -0.4, 1.0])
+    assert (elbow.kind, elbow.role, elbow.then[0].value) == ("pull", "held-back", 0.5 * REACH)
+    assert not any(path.in_space for path in scene.load_paths)
+    assert coarser(scene).all_paths == scene.all_paths  # their errors are estimated
+    few = tiny.sand(springs=springs | {"held_back": False})
+    assert [path.name for path in few.all_paths if path.in_space] == ["circle", "twist"]
+    assert tiny.sand(springs={"memory": True, "directions": True}).all_paths == tiny.sand(springs={}).all_paths
+
+
+@pytest.mark.parametrize(
+    ("sections", "words"),
+    [
+        ({"springs": {"reach": REACH, "directions": True}}, "springs.directions: .* memory = true is needed"),
+        ({"drainage": {"mode": "undrained"}}, 'springs.directions: its paths leave the plane .*mode = "drained"'),
+        ({"mesh": {"discretisation": "hex8"}}, "springs.directions: its paths leave the plane .* bricks"),
+    ],
+)
+def test_directions_are_refused_where_the_model_or_the_springs_have_none(
+    sections: dict[str, dict[str, object]], words: str
+) -> None:
+    springs = {"springs": {"reach": REACH, "memory": True, "directions": True}}
+    with pytest.raises((UserInputError, ValueError), match=words):
+        tiny.sand(**springs | sections)

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: MIT
+"""Elements in the space of both planes: what they are made of, and their calibration on paths that leave one plane.
+
+The planar elements of a calibration (`pysprings.memory.calibration`) are offered again: as round ones with one gauge of
+both planes, and spread over azimuths, a plate, or a gauge, in each of `AZIMUTHS` planes. One non-negative least-squares
+problem of the form of the planar one fits them to the planar ways along x, to the same ways turned by half of the angle
+between two planes, and to the recorded paths that leave the plane.
+
+Torsion is carried by elements of its own, fitted to a twist: they do not share friction with the lateral ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pysprings.core.variables import TORSION
+from pysprings.macro.fan import FanTable
+from pysprings.memory.calibration import (
+    FORGET,
+    MOST_NUMBERS,
+    STIFFNESS,
+    SUBSTEP,
+    ElementSet,
+    SpaceElements,
+    fitted,
+    strongest,
+)
+from pysprings.memory.candidates import LARGEST, SMALLEST, plastic_rows
+from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
+from pysprings.memory.offered import AZIMUTHS, in_space, numbers_of, offered
+from pysprings.memory.samples import Sample, places
+from pysprings.springs.path import SpacePath
+from pysprings.springs.springs import Springs
+
+Array = NDArray[np.float64]
+
+WEIGHT, FLOOR = 2.0, 0.1  # of a path out of the plane beside a ray; errors are relative to this share of its load
+PER_REACH = 0.4  # largest motion of rays that turn back, over the reach: places on a path follow from it
+# Of elements of torsion: number of sizes, gains, and lengths over the reach over which half of the gain is reached
+TORSION_SIZES, TORSION_GAINS, TORSION_LENGTHS = 32, (1.0, 3.0, 10.0, 30.0, 100.0), (0.001, 0.005, 0.02, 0.1, 0.5, 2.0)
+ALONE = 1e-3  # share of the motion of the wall up to which the lid centre may move on a twist
+
+
+@dataclass(frozen=True, slots=True)
+class SpaceWay:
+    """A way out of one plane: motions (n, 5) [m] and loads (n, 5) [N] of `elements`, weight of each point (n,)."""
+
+    name: str
+    motions: Array
+    loads: Array
+    weights: Array
+
+    @property
+    def twists(self) -> bool:
+        """Whether the caisson turns about its axis alone."""
+        return not np.abs(self.motions[:, :4]).max() > ALONE * np.abs(self.motions[:, 4]).max()
+
+
+def way_out(path: SpacePath, radius: float, reach: float, weight: float = WEIGHT) -> SpaceWay:
+    """Return the way of a path that leaves the plane, at even distances and close behind its turns."""
+    motions, loads = path.motions(radius), path.loads(radius)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(motions, axis=0), axis=1))])
+    at = places(motions, way, PER_REACH * reach)
+    motions, loads = (np.stack([np.interp(at, way, each) for each in values.T], axis=1) for values in (motions, loads))
+    size = np.linalg.norm(loads, axis=1)
+    return SpaceWay(path.name, motions, loads, weight / np.sqrt(len(at)) / np.maximum(size, FLOOR * size.max()))
+
+
+def calibrate_in_space(
+    springs: Springs, planar: ElementSet, ways: Sequence[Sample], table: FanTable, stiffness: Array
+) -> SpaceElements | None:
+    """Return elements in space that follow planar ways, and the paths of springs that leave the plane.
+
+    planar: elements of the plane. ways: those that they are calibrated on; stiffness (2, 2): the initial one [N/m].
+    None without a path of the role "memory" that moves the lid centre out of the plane.
+    """
+    radius, reach = 0.5 * springs.diameter, planar.reach
+    out = [way_out(path, radius, reach) for path in springs.turning]
+    lateral, twists = [way for way in out if not way.twists], [way for way in out if way.twists]
+    if not lateral:
+        return None
+    torsion, torsion_left = torsion_elements(twists, springs, reach)
+    rows, left = _lateral(planar.rows, ways, lateral, table, stiffness, (reach, MOST_NUMBERS - STATES * len(torsion)))
+    rows = np.concatenate([rows, torsion])
+    farthest = max((float(np.abs(way.motions[:, 4]).max()) for way in twists), default=0.0)
+    errors = {way.name: errors_of(rows, way.motions, way.loads, planar.largest) for way in lateral}
+    return SpaceElements(rows, radius, farthest, left, torsion_left, errors)
+
+
+def _lateral(
+    planar: Array,
+    ways: Sequence[Sample],
+    out: Sequence[SpaceWay],
+    table: FanTable,
+    stiffness: Array,
+    limits: tuple[float, int],
+) -> tuple[Array, float]:
+    """Return elements (n, SPACE_COLUMNS) without torsion, and the residual; limits: reach [m], most numbers of state.
+
+    The planar ways count along x, and turned by half of the angle between two planes.
+    """
+    (reach, most), half = limits, 0.5 * np.pi / AZIMUTHS
+    known = [(way.motions, way.loads(table), way.weights) for way in ways]
+    known += [(_turned(motions, half, 5), _turned(loads, half, 4), weights) for motions, loads, weights in known]
+    known += [(way.motions, way.loads[:, :4], way.weights) for way in out]
+    choice, largest = offered(planar), SUBSTEP * reach
+    rows, left, chosen = fitted(choice, known, stiffness, largest)
+    choice = choice.chosen(chosen)
+    numbers = numbers_of(rows, choice.spread)
+    if numbers.sum() > most:
+        choice = choice.chosen(strongest(rows, choice, known, largest, (numbers, most)))
+        rows, left, chosen = fitted(choice, known, stiffness, largest)
+        choice = choice.chosen(chosen)
+    return in_space(rows, choice.spread), left
+
+
+def errors_of(rows: Array, motions: Array, loads: Array, largest: float) -> tuple[float, float]:
+    """Return the largest error in H and M/L, as vectors, of elements along motions (n, 5), over the largest load."""
+    found, stiffness = np.zeros(motions.shape), np.zeros((len(motions), SPACE, SPACE))
+    tangents(rows, np.ascontiguousarray(motions), largest, found, stiffness)
+    missing, size = found - loads, float(np.linalg.norm(loads[:, :4], axis=1).max())
+    return float(np.hypot(*missing[:, :4:2].T).max() / size), float(np.hypot(*missing[:, 1:4:2].T).max() / size)
+
+
+def _turned(values: Array, angle: float, columns: int) -> Array:
+    """Return values (n, 2) of one plane as those (n, columns) of a plane at an azimuth [rad]."""
+    out = np.zeros((len(values), columns))
+    out[:, :2], out[:, 2:4] = np.cos(angle) * values, np.sin(angle) * values
+    return out
+
+
+def torsion_elements(twists: Sequence[SpaceWay], springs: Springs, reach: float) -> tuple[Array, float]:
+    """Return elements of torsion (n, SPACE_COLUMNS) that follow twists, and the residual; none without a twist.
+
+    Their sum at rest is the torsional stiffness of the full model, where it is known. reach [m]: that of the rays.
+    """
+    from scipy.optimize import nnls  # a prediction by a fan does without SciPy
+
+    if not twists:
+        return np.zeros((0, SPACE_COLUMNS)), 0.0
+    rows = _twisting(reach)
+    blocks, right = [], []
+    for way in twists:
+        motions = np.zeros((len(way.motions), 2))
+        motions[:, 0] = way.motions[:, 4]
+        e, p = np.zeros((len(motions), len(rows), 2)), np.zeros((len(motions), len(rows)))
+        histories(rows, motions, SUBSTEP * reach, e, p)
+        blocks.append(e[:, :, 0] * way.weights[:, None])
+        right.append(way.loads[:, 4] * way.weights)
+    known = springs.attrs.get(TORSION)
+    if known is not None:
+        blocks.append(np.full((1, len(rows)), STIFFNESS * (0.5 * springs.diameter) ** 2 / float(known)))
+        right.append(np.array([STIFFNESS]))
+    A, b = np.concatenate(blocks), np.concatenate(right)
+    size = np.linalg.norm(A, axis=0)
+    factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
+    rows[:, 4] *= factors / size
+    keeps = rows[:, 4] > FORGET * rows[:, 4].sum()
+    found = np.zeros((int(keeps.sum()), SPACE_COLUMNS))
+    found[:, :COLUMNS], found[:, 12] = rows[keeps], 1.0
+    return found, float(left / np.linalg.norm(b))
+
+
+def _twisting(reach: float) -> Array:
+    """Return the elements (n, COLUMNS) of one motion, of stiffness 1, from which those of torsion are chosen."""
+    laws = [(0.0, 1.0), *product(TORSION_GAINS, TORSION_LENGTHS)]
+    sizes = np.geomspace(0.1 * SMALLEST * reach, LARGEST * reach, TORSION_SIZES)
+    parts = [[0.0, 1.0, size, gain, length * reach] for size in sizes for gain, length in laws]
+    rows = plastic_rows(np.array([*parts, [0.0, 1.0, 1e6 * reach, 0.0, reach]]))
+    rows[:, 3], rows[:, 6] = 0.0, 0.0  # of one motion alone
+    return rows

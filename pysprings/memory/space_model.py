@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: MIT
+"""Springs with memory in all directions: motions and loads in six degrees of freedom along sequences, or step by step.
+
+Motions are (u_x, u_y, rot_x, rot_y, rot_z), loads (H_x, H_y, M_x, M_y, T), in the axes of the field: right-handed with
+z up, H_x to M_y about the lid centre. w and V are no part of it. Elements of torsion share no friction with lateral
+ones: where both loads act the answer is marked.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pysprings.core import variables
+from pysprings.core.arguments import check_arrays
+from pysprings.core.errors import BeyondSprings, Problem, refused
+from pysprings.macro.solver import Drive
+from pysprings.macro.space import SpaceControl
+from pysprings.macro.ways import RANGE_SLACK
+from pysprings.memory.build import build_memory
+from pysprings.memory.calibration import ElementSet, SpaceElements
+from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, same_loads
+from pysprings.springs.springs import Springs
+
+Array = NDArray[np.float64]
+Marks = NDArray[np.bool_]
+_ORDER = np.array([0, 3, 1, 2, 4])  # of SPACE_TURNS, as elements take them
+TOGETHER = 0.02  # share of the load above which torsion and lateral loads act together
+MISSING = (
+    "no path that leaves the plane: springs of one plane do not show how the soil reacts to loads from several sides. "
+    "Run the scene with `[springs] memory = true` and `directions = true`"
+)
+APART = (
+    "torsion and lateral loads act together in {} of {} states: the elements of torsion share no friction with the "
+    "lateral ones, both carry too much (measured in sand: H by 38 %, motions 40 % too small)"
+)
+NO_HEAVE = "w is not answered out of one plane"
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceSprings:
+    """Elements in space (`pysprings.memory.space`) that carry a rigid caisson.
+
+    Attributes
+    ----------
+    elements : calibrated elements.
+    length, reach : skirt length, and size of the largest motion of the rays [m].
+    largest : largest step of a motion [m].
+    V : vertical load [N] of the paths of the calibration.
+    load_scale : sizes of H [N] and M [N m], for tolerances.
+    attrs : attributes of the springs.
+    """
+
+    elements: SpaceElements
+    length: float
+    reach: float
+    largest: float
+    V: float
+    load_scale: tuple[float, float]
+    attrs: Mapping[Any, Any]
+
+    @classmethod
+    def of(cls, springs: Springs | xr.DataTree) -> "SpaceSprings":
+        """Return the elements in space of springs at the load at rest, stored or calibrated.
+
+        Raises UserInputError where no path leaves the plane, or no ray turns back.
+        """
+        given = Springs.of(springs).at()
+        if not given.turning:
+            raise refused("springs", MISSING)
+        planar = build_memory(given)
+        size = planar.table.load_scale
+        return cls.from_elements(planar.elements, given, planar.V, (float(size[0]), float(size[1])))
+
+    @classmethod
+    def from_elements(
+        cls, elements: ElementSet, springs: Springs, V: float, load_scale: tuple[float, float]
+    ) -> "SpaceSprings":
+        """Return the springs of a set of elements. Raises UserInputError where it has none in space."""
+        if elements.space is None:
+            raise refused("springs", MISSING)
+        return cls(elements.space, springs.length, elements.reach, elements.largest, V, load_scale, springs.attrs)
+
+    @property
+    def has_torsion(self) -> bool:
+        """Whether a twist is among the paths: else the caisson does not turn about its axis."""
+        return self.elements.twist > 0.0
+
+    @property
+    def to_motion(self) -> Array:
+        """Factors (5,) from SPACE_TURNS to the motions of elements [m]; loads have their inverse."""
+        return np.array([1.0, 1.0, -self.length, self.length, self.elements.radius])
+
+    def motions_of(self, turns: Array) -> Array:
+        """Return the motions (n, 5) of elements [m] of (u_x, u_y, rot_x, rot_y, rot_z) (n, 5)."""
+        return np.ascontiguousarray((turns * self.to_motion)[:, _ORDER])
+
+    def loads_of(self, pushes: Array) -> Array:
+        """Return the loads (n, 5) of elements [N] of (H_x, H_y, M_x, M_y, T) (n, 5)."""
+        return np.ascontiguousarray((pushes / self.to_motion)[:, _ORDER])
+
+    def turns_of(self, motions: Array) -> Array:
+        """Return (u_x, u_y, rot_x, rot_y, rot_z) (n, 5) of motions (n, 5) of elements."""
+        found: Array = motions[:, np.argsort(_ORDER)] / self.to_motion
+        return found
+
+    def pushes_of(self, loads: Array) -> Array:
+        """Return (H_x, H_y, M_x, M_y, T) (n, 5) of loads (n, 5) of elements."""
+        found: Array = loads[:, np.argsort(_ORDER)] * self.to_motion
+        return found
+
+    def solve(self, control: SpaceControl, targets: Array) -> tuple[Array, Array, str]:
+        """Follow targets (n, 5), SPACE_TURNS ("state") or SPACE_LOADS ("load"), from rest.
+
+        Returns motions and loads (k, 5) of the steps reached, and a message on where it ended when k < n.
+        """
+        check_arrays(targets=targets)
+        rows = np.asarray(targets, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != SPACE or not len(rows):
+            raise refused("targets", f"must have the shape (n, {SPACE}), not {rows.shape}")
+        if not self.has_torsion and rows[:, 4].any():
+            raise refused("targets", "the springs have no twist among their paths: they carry no torsion")
+        aims = self.loads_of(rows) if control == "load" else self.motions_of(rows)
+        way = np.concatenate([np.zeros((1, SPACE)), aims])
+        motions, loads = np.zeros(way.shape), np.zeros(way.shape)
+        states = np.zeros((len(self.elements.rows), SPACE_STATES))
+        rest, drive = np.zeros(SPACE), self.drive(control)
+        n, _ = follow(self.elements.rows, drive, self.largest, rest, states, way, motions, loads)
+        message = "" if n == len(way) else f"macro-model: no equilibrium on the way to row {n} of the sequence"
+        return self.turns_of(motions[1:n]), self.pushes_of(loads[1:n]), message
+
+    def drive(self, control: SpaceControl) -> Drive:
+        """Return the equations of a control in motions and loads of elements.
+
+        Without elements of torsion the caisson does not turn about its axis.
+        """
+        size = max(self.load_scale[0], self.load_scale[1] / self.length)
+        held = np.full(SPACE, control == "state")
+        held[4] |= not self.has_torsion
+        scale = np.where(held, self.reach, size)
+        return Drive(np.diag(held.astype(float)), np.diag((~held).astype(float)), scale)
+
+    def tangents(self, turns: Array) -> Array:
+        """Return the tangents (n, 5, 5) of SPACE_LOADS to SPACE_TURNS along motions (n, 5), from rest on."""
+        motions = self.motions_of(np.asarray(turns, dtype=float))
+        loads, out = np.zeros(motions.shape), np.zeros((len(motions), SPACE, SPACE))
+        tangents(self.elements.rows, motions, self.largest, loads, out)
+        return self.in_turns(out)
+
+    def in_turns(self, found: Array) -> Array:
+        """Return tangents (..., 5, 5) of elements as those of SPACE_LOADS to SPACE_TURNS."""
+        back = np.argsort(_ORDER)
+        scaled: Array = found[..., back[:, None], back] * self.to_motion * self.to_motion[:, None]
+        return scaled
+
+    def range_used(self, turns: Array) -> Array:
+        """Return the size of motions (n, 5) over that of the rays, or of the twist where that is more."""
+        motions = self.motions_of(turns)
+        used: Array = np.linalg.norm(motions[:, :4], axis=1) / self.reach
+        return np.maximum(used, np.abs(motions[:, 4]) / self.elements.twist) if self.elements.twist else used
+
+    def torsion_apart(self, pushes: Array) -> Marks:
+        """Return where both torsion and a lateral load act, for loads (n, 5)."""
+        loads = self.loads_of(pushes)
+        lateral, twist = np.linalg.norm(loads[:, :4], axis=1), np.abs(loads[:, 4])
+        both: Marks = np.minimum(lateral, twist) > TOGETHER * np.maximum(lateral, twist)
+        return both
+
+    def answer(
+        self, control: SpaceControl, targets: Array, V: Array | None = None, time: Array | None = None
+    ) -> xr.Dataset:
+        """Return the states along a sequence in six degrees of freedom as a dataset by step, marked.
+
+        V (n,) [N] marks states at another vertical load than that of the springs; time (n,) [s] is handed on.
+        """
+        turns, pushes, message = self.solve(control, targets)
+        n, used = len(turns), self.range_used(turns)
+        values: dict[str, Any] = dict(zip(SPACE_TURNS, turns.T, strict=True)) | dict(
+            zip(SPACE_LOADS, pushes.T, strict=True)
+        )
+        values |= {"converged": np.ones(n, dtype=np.int8), "range_used": used}
+        values |= {"extrapolated": (used > 1.0 + RANGE_SLACK).astype(np.int8)}
+        apart = self.torsion_apart(pushes)
+        values["torsion_apart"] = apart.astype(np.int8)
+        warnings = [APART.format(apart.sum(), n)] if apart.any() else []
+        if V is not None:
+            off = ~same_loads(V[:n], self.V)
+            values |= {"V": V[:n], "off_load": off.astype(np.int8)}
+            warnings += [f"{off.sum()} of {n} states are under another V than {self.V:.7g} N"] if off.any() else []
+        if time is not None:
+            values["time"] = time[:n]
+        known = variables.GROUPS["space_prediction"]
+        data = {name: (("step",), value, known[name].attributes()) for name, value in values.items()}
+        text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"
+        attrs = {
+            "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
+            "status": "partial" if message else "complete", "message": message, "warnings": warnings,
+            "beyond_range": [text] if values["extrapolated"].any() else [], "refusals": [], "remarks": [NO_HEAVE],
+        }  # fmt: skip
+        return xr.Dataset(data, {"step": np.arange(n)}, attrs)
+
+
+class SpaceStepper:
+    """A state of springs in space that goes on step by step, for time stepping.
+
+    `advance` finds a trial state from the committed one, `commit` keeps it; without `commit` the next `advance` starts
+    from the same committed state.
+
+    Attributes
+    ----------
+    state : (elements, 5) committed numbers of the elements.
+    motion, load : committed (u_x, u_y, rot_x, rot_y, rot_z) and (H_x, H_y, M_x, M_y, T), in m, rad, N, N m.
+    """
+
+    def __init__(self, model: SpaceSprings) -> None:
+        self.model = model
+        self.state = np.zeros((len(model.elements.rows), SPACE_STATES))
+        self.motion, self.load = np.zeros(SPACE), np.zeros(SPACE)
+        self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
+
+    def advance(self, *, motion: Array | None = None, load: Array | None = None) -> Array:
+        """Go to a motion, or under a load, (5,); return the other one (5,).
+
+        Raises
+        ------
+        BeyondSprings
+            The elements do not carry the load.
+        UserInputError
+            Neither, or both, are given.
+        """
+        if (motion is None) == (load is None):
+            raise refused("motion", "give a motion or a load")
+        model, drive = self.model, self.model.drive("load" if motion is None else "state")
+        aim, start = (load, self.load) if motion is None else (motion, self.motion)
+        way = np.stack([start, np.asarray(aim, dtype=float)])
+        way = model.loads_of(way) if motion is None else model.motions_of(way)
+        state, at = self.state.copy(), model.motions_of(self.motion[None])[0]
+        found, carried = np.zeros(way.shape), np.zeros(way.shape)
+        n, _ = follow(model.elements.rows, drive, model.largest, at, state, way, found, carried)
+        if n < 2:
+            raise BeyondSprings([Problem(key="springs", message="the elements do not carry the load of this step")])
+        self._trial = state, model.turns_of(found[1:])[0], model.pushes_of(carried[1:])[0]
+        answer: Array = self._trial[1 if motion is None else 2].copy()
+        return answer
+
+    @property
+    def tangent(self) -> Array:
+        """Tangent (5, 5) of the loads to the motion at the end of the last trial step, where that is not divided."""
+        model, F, K, state = self.model, np.zeros(SPACE), np.zeros((SPACE, SPACE)), self.state.copy()
+        start, end = model.motions_of(np.stack([self.motion, self._trial[1]]))
+        advance(model.elements.rows, start, end, state, F, K)
+        return model.in_turns(K)
+
+    def commit(self) -> None:
+        """Keep the last trial state."""
+        state, motion, load = self._trial
+        self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

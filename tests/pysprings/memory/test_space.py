@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: MIT
+"""Elements in space: planes and directions, energy, tangents; calibrated on a circle beside an outside law."""
+
+import itertools
+import json
+import warnings
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pysprings.core.errors import BeyondSprings, UserInputError
+from pysprings.macro.answer import MacroWarning
+from pysprings.macro.fan import build_fan
+from pysprings.macro.space import compare_in_space, in_space_text, sequence_in_space
+from pysprings.memory import build
+from pysprings.memory.build import build_memory, with_memory
+from pysprings.memory.calibration import MOST_NUMBERS, calibrate
+from pysprings.memory.candidates import Candidates
+from pysprings.memory.elements import (
+    PLASTIC,
+    PLATES,
+    REVERSIBLE,
+    SPACE,
+    SPACE_COLUMNS,
+    SPACE_STATES,
+    STATES,
+    advance,
+    tangents,
+)
+from pysprings.memory.offered import AZIMUTHS, in_space, numbers_in_space, numbers_of, offered
+from pysprings.memory.space_model import SpaceSprings, SpaceStepper
+from pysprings.results.tables.sequence import read_sequence
+from pysprings.springs.checks import RESULT, open_springs, save_springs
+from pysprings.springs.extract import extract_springs
+from pysprings.springs.springs import Springs
+from tests.support import space_paths
+from tests.support.commands import command
+from tests.support.space_paths import RADIUS, elbow
+from tests.support.winkler import REACH, mixed
+
+LENGTH = space_paths.LENGTH
+
+
+def walk(rows, motions):
+    """Loads (n, m) and tangents of elements along motions (n, m), from rest."""
+    motions = np.ascontiguousarray(motions, dtype=float)
+    m = motions.shape[1]
+    loads, found = np.zeros(motions.shape), np.zeros((len(motions), m, m))
+    tangents(np.ascontiguousarray(rows), motions, 0.01 * REACH, loads, found)
+    return loads, found
+
+
+@cache
+def elements(seed=1):
+    """Elements of all kinds in space, (n, SPACE_COLUMNS): round and spread ones, and torsion."""
+    rows = mixed(8, seed)
+    spread = np.isin(rows[:, 0], PLATES) | (np.arange(len(rows)) % 2 == 0) & (rows[:, 0] == PLASTIC)
+    twist = np.zeros((3, SPACE_COLUMNS))
+    twist[:, :10], twist[:, 12] = rows[rows[:, 0] == PLASTIC][:3], 1.0
+    return np.concatenate([in_space(rows, spread), twist])
+
+
+def random_way(seed, n=40, size=0.05):
+    return np.cumsum(np.random.default_rng(seed).normal(size=(n, SPACE)), axis=0) * size * REACH
+
+
+def turned(way, angle):
+    """Motions or loads (n, 5) turned about the axis."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.hstack([c * way[:, :2] - s * way[:, 2:4], s * way[:, :2] + c * way[:, 2:4], way[:, 4:]])
+
+
+def test_elements_of_one_plane_are_those_with_one_direction() -> None:
+    """Round ones, and all with the direction x, carry along x what planar ones do, and nothing across."""
+    rows, way = mixed(), random_way(3)[:, :2]
+    plane, whole = walk(rows, way)
+    single = np.hstack([rows, np.broadcast_to([1.0, 0.0, 0.0], (len(rows), 3))])
+    single[np.isin(rows[:, 0], (PLASTIC, REVERSIBLE)), 10] = 0.0
+    loads, found = walk(single, np.hstack([way, np.zeros((len(way), 3))]))
+    np.testing.assert_allclose(loads[:, :2], plane, rtol=1e-12, atol=1e-12 * np.abs(plane).max())
+    np.testing.assert_allclose(found[:, :2, :2], whole, rtol=1e-9, atol=1e-9 * np.abs(whole).max())
+    assert not loads[:, 2:].any()
+
+
+def test_a_way_that_is_turned_has_a_turned_answer() -> None:
+    """Exactly by the angle between the planes of spread elements; round elements alone by any angle."""
+    way = random_way(5)
+    for rows, angle in ((elements(), np.pi / AZIMUTHS), (in_space(mixed(), np.zeros(len(mixed()), bool)), 0.3)):
+        one, other = walk(rows, way)[0], walk(rows, turned(way, angle))[0]
+        np.testing.assert_allclose(turned(one, angle), other, atol=1e-9 * np.abs(one).max())
+
+
+def test_the_tangent_is_that_of_differences() -> None:
+    rows, state, q = elements(), np.zeros((len(elements()), SPACE_STATES)), np.zeros(SPACE)
+    F, K = np.zeros(SPACE), np.zeros((SPACE, SPACE))
+    for aim in random_way(7, 10):
+        advance(rows, q, aim, state, F, K)
+        q = aim
+
+    def after(change):
+        F, K = np.zeros(SPACE), np.zeros((SPACE, SPACE))
+        advance(rows, q, q + change, state.copy(), F, K)
+        return F, K
+
+    step = np.array([1.0, -0.4, 0.7, 0.2, 0.3]) * 1e-3 * REACH
+    found = np.stack([(after(step + d)[0] - after(step - d)[0]) / 2e-9 for d in 1e-9 * np.eye(SPACE)], axis=1)
+    np.testing.assert_allclose(after(step)[1], found, atol=1e-5 * np.abs(found).max())
+
+
+def test_closed_loops_in_five_motions_gain_no_work() -> None:
+    """1,000 of them from rest, of all sizes; the work of a loop beside what goes to and fro in it."""
+    random, worst = np.random.default_rng(11), np.inf
+    for number in range(1000):
+        corners = random.normal(size=(random.integers(2, 5), SPACE)) * REACH * 10.0 ** random.uniform(-3.0, 0.0)
+        ends = np.concatenate([np.zeros((1, SPACE)), corners, np.zeros((1, SPACE))])
+        share = np.linspace(0.0, 1.0, 31)[1:, None]
+        way = np.concatenate([a + share * (b - a) for a, b in itertools.pairwise(ends)])
+        loads = np.concatenate([np.zeros((1, SPACE)), walk(elements(number % 4 + 1), way)[0]])
+        works = 0.5 * (loads[1:] + loads[:-1]) * np.diff(way, axis=0, prepend=0.0)
+        worst = min(worst, works.sum() / np.abs(works).sum())
+    assert worst > -1e-3  # the trapezoidal rule of loops in the elastic range
+
+
+def planar(table, springs):
+    """Planar elements of the Winkler springs, from perfectly plastic candidates alone: quick to calibrate."""
+    from pysprings.memory.samples import samples
+
+    sizes = np.geomspace(2e-3, 1.0, 7) * REACH
+    angles = np.arange(9) * np.pi / 9
+    plastic = np.array([[a, g, d, 0.0, REACH] for a in angles for g in (0.1, 0.3) for d in sizes])
+    none = [np.zeros((0, n)) for n in (3, 4, 3)]
+    scale = np.array([1.0, springs.length])
+    stiffness = springs.lateral_stiffness / scale / scale[:, None]
+    return calibrate(samples(springs, table), table, stiffness, Candidates(plastic, *none))
+
+
+@cache
+def calibrated(twisted=True):
+    """Springs on the outside law with their elements in space, as a file holds them."""
+    tree = space_paths.springs(twisted)
+    springs = Springs.of(tree)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "calibrate", lambda _ways, table, *_args, **_named: planar(table, springs))
+        return with_memory(tree)
+
+
+def test_a_circle_calibrates_springs_that_meet_an_elbow_of_another_law() -> None:
+    """Held back, with leaning, at its motions and under its loads; the torsion meets its own path."""
+    rows = compare_in_space(calibrated()).set_index("path")
+    assert list(rows.index) == ["circle", "twist", "elbow"]
+    for name in ("circle", "elbow"):
+        assert rows.loc[name, ["H_error_pct", "M_error_pct"]].max() < 6.0
+    assert rows.loc["elbow", ["u_error_pct", "rotation_error_pct"]].max() < 8.0
+    assert rows.loc["twist", "T_error_pct"] < 2.0 and rows.loc["elbow", "T_error_pct"] < 1e-6
+    assert np.isnan(rows.loc["twist", "H_error_pct"])
+    text = in_space_text(rows.reset_index())
+    assert "elbow" in text and "held-back" in text and "M (M/L)" in text
+
+
+def test_a_pull_in_any_direction_has_the_same_answer() -> None:
+    """Within 2 % for any angle, also between the planes of spread elements."""
+    rows, worst = SpaceSprings.of(calibrated()).elements.rows, 0.0
+    for ratio in np.radians([-45.0, 0.0, 30.0, 60.0]):
+        size = 0.5 * REACH * np.concatenate([np.linspace(0.02, 1.0, 25), np.linspace(0.9, -1.0, 20)])
+        way = np.zeros((size.size, SPACE))
+        way[:, 0], way[:, 1] = size * np.cos(ratio), size * np.sin(ratio)
+        straight = walk(rows, way)[0]
+        for angle in np.radians([7.5, 15.0, 22.5, 37.0, 45.0, 90.0]):
+            found = turned(walk(rows, turned(way, angle))[0], -angle)
+            worst = max(worst, np.abs(found - straight).max() / np.linalg.norm(straight, axis=1).max())
+    assert worst < 0.02
+
+
+def test_the_planar_elements_are_those_without_paths_out_of_the_plane() -> None:
+    tree = space_paths.springs()
+    del tree["space"]
+    springs = Springs.of(tree)
+    alone = planar(build_fan(springs), springs)
+    np.testing.assert_array_equal(build_memory(Springs.of(calibrated())).elements.rows, alone.rows)
+
+
+def test_the_state_stays_within_the_numbers_of_other_programs() -> None:
+    rows = mixed(60)
+    choice = offered(rows)
+    assert numbers_of(choice.rows, choice.spread).max() == STATES * AZIMUTHS
+    found = SpaceSprings.of(calibrated()).elements.rows
+    assert 100 < numbers_in_space(found) <= MOST_NUMBERS
+
+
+def test_elements_in_space_are_kept_in_the_file_and_belong_to_its_paths(tmp_path, monkeypatch) -> None:
+    save_springs(calibrated(), tmp_path / "springs.nc")
+    read = open_springs(tmp_path / "springs.nc")
+    monkeypatch.setattr(build, "calibrate", None)
+    targets = np.array([[1e5, 2e5, 1e5, -2e5, 0.0], [2e5, 1e5, 1e5, -2e5, 0.0]])
+    answers = [sequence_in_space(tree, targets) for tree in (calibrated(), read)]
+    np.testing.assert_array_equal(answers[0]["u_y"], answers[1]["u_y"])
+    monkeypatch.undo()
+    other = calibrated().copy(deep=True)
+    other["space/circle"]["H_x"] *= 1.1
+    assert build.has_elements(Springs.of(calibrated())) and not build.has_elements(Springs.of(other))
+
+
+def test_loads_and_motions_answer_each_other_step_by_step() -> None:
+    model, stepper = SpaceSprings.of(calibrated()), SpaceStepper(SpaceSprings.of(calibrated()))
+    turns = elbow(0.2 * REACH, 0.3 * REACH, 0.2 / LENGTH)[1::4]
+    turns[:, 4] = np.linspace(0.0, 0.1 * REACH / RADIUS, len(turns))
+    found, pushes, message = model.solve("state", turns)
+    assert message == "" and found == pytest.approx(turns)
+    back, _, _ = model.solve("load", pushes)
+    np.testing.assert_allclose(back, turns, atol=2e-3 * REACH)
+    for turn, push in zip(turns, pushes, strict=True):
+        np.testing.assert_allclose(stepper.advance(motion=turn), push, rtol=1e-9, atol=1e-6)
+        stepper.advance(motion=turn)  # from the same committed state
+        stepper.commit()
+    np.testing.assert_allclose(stepper.load, pushes[-1], rtol=1e-9)
+    np.testing.assert_allclose(stepper.advance(load=stepper.load), stepper.motion, atol=1e-12)
+    aim, change = stepper.motion * 1.01, 1e-9 * np.array([1.0, -0.3, 0.2, 0.1, 0.2])
+    ends = [stepper.advance(motion=aim + sign * change) for sign in (1.0, -1.0)]
+    stepper.advance(motion=aim)
+    np.testing.assert_allclose(ends[0] - ends[1], stepper.tangent @ (2.0 * change), rtol=1e-4)
+    np.testing.assert_allclose(model.tangents(turns)[0], model.tangents(turns[:1])[0])
+    with pytest.raises(UserInputError, match="give a motion or a load"):
+        stepper.advance()
+    with pytest.raises(BeyondSprings, match="do not carry the load"):
+        stepper.advance(load=np.array([1e10, 0.0, 0.0, 0.0, 0.0]))
+
+
+def test_a_load_along_y_leans_towards_y_in_the_axes_of_the_field() -> None:
+    """H_y alone: u_y > 0, and rot_x < 0 where the caisson leans towards +y; M_x = -H_y h raises both."""
+    free = sequence_in_space(calibrated(), [[0.0, 2e5, 0.0, 0.0, 0.0]])
+    high = sequence_in_space(calibrated(), [[0.0, 2e5, -8e5, 0.0, 0.0]])
+    along = sequence_in_space(calibrated(), [[2e5, 0.0, 0.0, 8e5, 0.0]])
+    assert 0.0 < float(free["u_y"][0]) < float(high["u_y"][0])
+    assert float(high["rot_x"][0]) < min(0.0, float(free["rot_x"][0]))
+    assert float(along["rot_y"][0]) == pytest.approx(-float(high["rot_x"][0]), rel=0.02)
+    assert float(along["u_x"][0]) == pytest.approx(float(high["u_y"][0]), rel=0.02)
+
+
+def test_what_the_springs_do_not_cover_is_marked_or_refused() -> None:
+    far = [[1.5 * space_paths.REACH, 0.0, 0.0, 0.0, 0.0]]
+    with pytest.raises(BeyondSprings, match=r"beyond the range .* 1.5 times"):
+        sequence_in_space(calibrated(), far, control="state")
+    with pytest.warns(MacroWarning, match="beyond the range"):
+        assert sequence_in_space(calibrated(), far, control="state", extrapolate=True)["extrapolated"][0] == 1
+    both = [[2e5, 0.0, 0.0, 0.0, 3e5]]
+    with pytest.warns(MacroWarning, match="share no friction"):
+        answer = sequence_in_space(calibrated(), both)
+    assert answer["torsion_apart"][0] == 1 and float(answer["rot_z"][0]) > 0.0
+    with pytest.warns(MacroWarning, match="1 of 1 states are under another V than 2000000 N"):
+        assert sequence_in_space(calibrated(), [[2e5, 0, 0, 0, 0]], V=1e6)["off_load"][0] == 1
+    with pytest.raises(UserInputError, match="'fan' answers loads in one plane only"):
+        sequence_in_space(calibrated(), both, springs_kind="fan")
+    with pytest.raises(UserInputError, match=r"no path that leaves the plane.*directions = true"):
+        tree = calibrated().copy(deep=True)
+        del tree["space"]
+        sequence_in_space(tree, both)
+    with pytest.raises(UserInputError, match="they carry no torsion"):
+        sequence_in_space(calibrated(twisted=False), both)
+    assert compare_in_space(calibrated(twisted=False))["T_error_pct"].isna().all()
+
+
+def test_a_damaged_path_out_of_the_plane_is_refused(tmp_path) -> None:
+    for name, change, words in (
+        ("H_x", lambda path: path["H_x"].values.__setitem__(3, np.nan), "space/circle/H_x: not finite"),
+        ("role", lambda path: path.attrs.update(role="calibration"), "space/circle/role: attribute must be one of"),
+        ("T", lambda path: path.__delitem__("T"), "space/circle/T: missing variable"),
+    ):
+        tree = space_paths.springs().copy(deep=True)
+        path = tree["space/circle"].to_dataset(inherit=False).copy(deep=True)
+        change(path)
+        groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree} | {"/space/circle": path}
+        with pytest.raises(UserInputError, match=words):
+            save_springs(type(tree).from_dict(groups, name=tree.name), tmp_path / f"{name}.nc")
+
+
+def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
+    """In SI as JSON, as a table for people, with the marks; `compare` lists the paths out of the plane."""
+    file, table = tmp_path / "springs.nc", tmp_path / "loads.csv"
+    save_springs(calibrated(), file)
+    table.write_text("H_x [kN],H_y [kN],M_x [kN m],T [kN m]\n0,0,0,0\n100,50,-200,0\n100,-50,200,100\n")
+    warnings.simplefilter("ignore", MacroWarning)
+    done = command("predict", file, "--sequence", table, "--json")
+    assert done.code == 0, done.err
+    rows = json.loads(done.out)["states"]
+    loads = np.array([[0, 0, 0, 0, 0], [1e5, 5e4, -2e5, 0, 0], [1e5, -5e4, 2e5, 0, 1e5]])
+    with pytest.warns(MacroWarning):
+        known = sequence_in_space(calibrated(), loads)
+    assert [row["u_y"] for row in rows] == pytest.approx(known["u_y"].values.tolist())
+    assert [row["torsion_apart"] for row in rows] == [0, 0, 1]
+    text = command("predict", file, "--sequence", table, "--springs", "memory")
+    assert "rot_z [mrad]" in text.out and "torsion_apart" in text.out and "w is not answered" in text.err
+    assert command("predict", file, "--sequence", table, "--out", tmp_path / "a.csv").code == 0
+    assert "rot_z_rad,H_x_N" in (tmp_path / "a.csv").read_text()
+    for option, words in ((["--springs", "fan"], "one plane only"), (["--stiffness"], "is that of one plane"),
+                          (["--path", "pull"], "by springs of several paths")):  # fmt: skip
+        refused = command("predict", file, "--sequence", table, *option)
+        assert refused.code == 2 and words in refused.err
+    shown = command("compare", file, "--springs", "memory")
+    assert "paths out of one plane" in shown.out and "elbow" in shown.out
+    found = json.loads(command("compare", file, "--json").out)["in_space"]
+    assert [row["path"] for row in found] == ["circle", "twist", "elbow"]
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("H_x_N,u_y_m\n1,2\n", "expected either loads or motions: some of H_x_N"),
+        ("H_x_N,H_N\n1,2\n", "H_N: of one plane, beside columns of six degrees of freedom"),
+        ("u_x_m,w_m\n1,2\n", "w_m: w follows from the vertical load"),
+        ("H_N,w_m\n1,0\n", "w_m: one column too many"),
+        ("H_x_N,M_x_Nm\n1,\n", "M_x_Nm: blank"),
+    ],
+)
+def test_columns_that_do_not_go_together_are_refused(tmp_path, lines, words) -> None:
+    (tmp_path / "s.csv").write_text(lines)
+    with pytest.raises(UserInputError, match=words):
+        read_sequence(tmp_path / "s.csv")
+    (tmp_path / "t.csv").write_text("u_y [mm],rot_z [mrad],w_m,V [kN],time [s]\n1,2,0,5,1\n2,2,0,5,2\n")
+    read = read_sequence(tmp_path / "t.csv")
+    assert read.in_space and read.control == "state" and read.V.tolist() == [5e3, 5e3]
+    np.testing.assert_allclose(read.targets, [[0, 1e-3, 0, 0, 2e-3], [0, 2e-3, 0, 0, 2e-3]])
+
+
+def test_lateral_loads_out_of_the_plane_are_extrapolated_as_those_of_a_translation() -> None:
+    """By a tenth, where the reactions of all rays are; T and motions stay, and all without an extrapolation."""
+    tree = space_paths.springs()
+    groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree}
+    rays = [name for name in groups if name.startswith("/paths/")]
+    groups["/"] = groups["/"].assign_attrs(schema=RESULT)
+    for name in rays:
+        groups[name]["time"] = "step", np.arange(float(groups[name].sizes["step"])), {"units": "s", "long_name": "time"}
+    as_recorded = extract_springs(xr.DataTree.from_dict(groups, name=tree.name))["space/circle"]
+    np.testing.assert_array_equal(as_recorded["H_y"], tree["space/circle"]["H_y"])
+    reactions = ["p", "p_component", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"]
+    groups |= {f"{name}/extrapolated": 1.1 * groups[name][reactions] for name in rays}
+    found = extract_springs(xr.DataTree.from_dict(groups, name=tree.name))["space/circle"]
+    for name, factor in {"H_x": 1.1, "H_y": 1.1, "M_x": 1.1, "M_y": 1.1, "T": 1.0, "u_x": 1.0, "V": 1.0}.items():
+        np.testing.assert_allclose(found[name], factor * tree["space/circle"][name], rtol=1e-9)
