@@ -22,6 +22,7 @@ from pysprings.full_model.collect import Collector, section_dataset
 from pysprings.full_model.volume import volume_dataset
 from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
+from pysprings.springs.checks import RESULT
 from tests.support import tiny
 
 FACES = {code: name for name, code in SURFACE.items()}
@@ -117,8 +118,9 @@ def result() -> xr.DataTree:
     root = xr.Dataset({"stiffness_initial": (("dof", "dof_conjugate"), STIFFNESS)})
     root = variables.attach(root.assign_coords(dof=dofs, dof_conjugate=dofs), "springs_root")
     root.attrs = {
-        "Conventions": "CF-1.11", "title": "raw", "source": "pysprings 0.0.0", "pysprings_version": "0.0.0",
-        "scene_sha256": "0" * 64, "scene_toml": "", "status": "complete", "history": "made by a test",
+        "Conventions": "CF-1.11", "schema": RESULT, "title": "raw", "source": "pysprings 0.0.0",
+        "pysprings_version": "0.0.0", "scene_sha256": "0" * 64, "scene_toml": "", "status": "complete",
+        "history": "made by a test",
         "drainage": "undrained", "outer_diameter_m": 2.0 * RADIUS, "skirt_length_m": LENGTH,
         "skirt_thickness_m": THICKNESS, "vertical_load_N": 1.0e6, "caisson_behaviour": "rigid",
     }  # fmt: skip
