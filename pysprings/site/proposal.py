@@ -315,12 +315,13 @@ def _measured(unit: Unit, points: Points, ends: Array, correlated: set[str]) -> 
             continue
         best = _line(points.depth[own], values[own], ends, key)
         ratios = values[own] / np.interp(points.depth[own], ends, best)
-        shares = np.percentile(ratios, [10.0, 50.0, 90.0]) if count >= FEWEST_POINTS else np.ones(3)
-        shares[1] = 1.0
+        low, high = np.percentile(ratios, [10.0, 90.0]) if count >= FEWEST_POINTS else np.ones(2)
+        shares = min(low, 1.0), 1.0, max(high, 1.0)
         if count < FEWEST_POINTS:
             unit.remarks.append(f"{count} measured {key}: no range")
-        low_first = sorted(shares, reverse=key in SOFTER)
-        unit.values[key] = Value(np.outer(low_first, best), (f"{count} measured values",), measured=True)
+        unit.values[key] = Value(
+            np.outer(shares[::-1] if key in SOFTER else shares, best), (f"{count} measured values",), measured=True
+        )
 
 
 def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations: Sequence[Correlation]) -> None:

@@ -242,6 +242,26 @@ def test_the_range_of_measured_values_is_that_of_eighty_per_cent_of_them(tmp_pat
     assert np.divide(modulus["high"], modulus["best"]) == pytest.approx([1.2, 1.2])
 
 
+@pytest.mark.parametrize(
+    ("depths", "strengths", "ends"),
+    [
+        ((5.0, 10.0, 14.9), (20, 30, 40), (30.0, 30.0)),  # over less than half of the layer: the mean
+        ((5.0, 10.0, 15.1), (20, 30, 40.2), (10.0, 50.0)),  # over half of it: a line
+        ((10.0, 15.0, 20.0), (10, 20, 30), (5.0, 30.0)),  # -10 kPa at mudline: half of the least
+        ((0.0, 5.0, 10.0), (10, 30, 50), (10.0, 90.0)),
+        ((0.0, 2.0, 10.2), (1, 5, 21.4), (1.0, 41.0)),
+    ],
+)
+def test_a_line_through_points_needs_half_of_the_layer_and_stays_near_them(tmp_path, depths, strengths, ends) -> None:
+    """A layer of 20 m; the line is held between half of the least and twice the greatest value."""
+    (tmp_path / "log.csv").write_text("top [m],bottom [m],Soil type,gamma' [kN/m3]\n0,20,CLAY,8\n")
+    rows = "\n".join(f"{z},{su}" for z, su in zip(depths, strengths, strict=True))
+    (tmp_path / "lab.csv").write_text("Depth [m],su [kPa]\n" + rows + "\n")
+    (layer,) = proposal(tmp_path / "log.csv", tmp_path / "lab.csv")["layers"]
+    found = layer["values"]["undrained_shear_strength"]["best"]
+    assert found == pytest.approx(np.multiply(ends, 1e3), rel=5e-3)
+
+
 def test_a_depth_cuts_layers_and_points_with_the_values_that_they_have_there(tmp_path) -> None:
     """su 20 to 60 kPa over 20 m is 36 kPa at 8 m."""
     (tmp_path / "a.csv").write_text("top [m],bottom [m],Soil type,su from [kPa],su to [kPa]\n0,20,CLAY,20,60\n")
