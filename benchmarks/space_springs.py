@@ -42,7 +42,7 @@ CASES = {
     "sand": (20e-3, 0.6e6, (1.2e6, 4.5e6), (0.4e6, 0.5e6)),
     "clay-gap": (80e-3, 0.5e6, (1.2e6, 2.5e6), (0.35e6, 0.4e6)),
 }
-HEADS = ("case", "path", "role", "H_error_pct", "M_error_pct", "T_error_pct", "u_error_pct", "rotation_error_pct")
+HEADS = ("case", "path", "role", *(f"{name}_error_pct" for name in ("H", "M", "p", "T", "u", "rotation")))
 LOOPS, ANGLES = 1000, (7.5, 15.0, 22.5, 37.0, 45.0, 90.0)
 
 

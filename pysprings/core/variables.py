@@ -355,7 +355,9 @@ _SPACE_PREDICTION = {
     name: replace(_SPACE_PATH[name], required=name not in ("V", "time"))
     for name in ("u_x", "u_y", "rot_x", "rot_y", "rot_z", "H_x", "H_y", "V", "M_x", "M_y", "T", "converged", "time")
 } | _table(
-    *(_PREDICTION[name] for name in ("range_used", "extrapolated", "off_load")),
+    *(_PREDICTION[name] for name in ("depth", "depth_bounds", "range_used", "extrapolated", "off_load")),
+    *(V(f"p_{axis}", f"lateral soil reaction along {axis} per metre of depth", "N m-1", ("depth", "step"), _OPPOSES)
+      for axis in "xy"),
     V("torsion_apart", "1 where torsion and a lateral load act together", "1", ("step",),
       "the elements of torsion share no friction with the lateral ones"),
 )

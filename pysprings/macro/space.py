@@ -19,6 +19,7 @@ from pysprings.macro.answer import Care, raise_or_warn
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.springs.path import SpacePath
 from pysprings.springs.springs import Springs
+from pysprings.springs.tip_zone import ZONE
 
 Array = NDArray[np.float64]
 SpaceControl = Literal["load", "state"]
@@ -41,6 +42,10 @@ class SpaceResponse(Protocol):
 
     def answer(self, control: SpaceControl, targets: Array, V: Array | None, time: Array | None) -> xr.Dataset:
         """Return the states along targets as a dataset by step, marked."""
+        ...
+
+    def reactions(self, turns: Array) -> Array:
+        """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions from rest on."""
         ...
 
 
@@ -94,7 +99,8 @@ def compare_in_space(springs: Springs | xr.DataTree) -> pd.DataFrame:
     """Return the errors of springs on the paths out of one plane, one row a path; empty where none answers.
 
     At the motions of the full model: largest error of H and M/L, as vectors, over the largest (H, M/L) of the path [%],
-    and of T/R over the largest load. Under its loads: largest error of (u_x, u_y) and of the rotation L over the
+    of T/R over the largest load, and of p by depth, as vectors, over the largest p (the last fifth of the skirt is one
+    slice). Under its loads: largest error of (u_x, u_y) and of the rotation L over the
     largest motion, NaN where the springs do not carry the loads. T is NaN without springs of torsion.
     """
     given = Springs.of(springs)
@@ -120,6 +126,7 @@ def _row(springs: Springs, response: SpaceResponse, path: SpacePath) -> dict[str
     for name, first in (("H", 0), ("M", 1)):
         worst = float(np.hypot(missing[:, first], missing[:, first + 2]).max())
         row[f"{name}_error_pct"] = np.nan if twists else 100.0 * worst / size
+    row["p_error_pct"] = np.nan if twists else _p_error(path, response.reactions(motions)[:, :, : len(own) + 1])
     row["T_error_pct"] = 100.0 * float(missing[:, 4].max()) / whole if response.has_torsion else np.nan
     known, found = path.motions(radius)[1:], path.scaled(moved, length, radius)
     far, wrong = float(np.linalg.norm(known[:, :4], axis=1).max()), np.abs(found - known[: len(found)])
@@ -129,18 +136,30 @@ def _row(springs: Springs, response: SpaceResponse, path: SpacePath) -> dict[str
     return row | {"message": stopped}
 
 
+def _p_error(path: SpacePath, found: Array) -> float:
+    """Return the largest error [%] of p in two planes, (2, depth, n), over the largest p; one slice at the tip."""
+    heights = np.diff(path["depth_bounds"], axis=1)[:, 0]
+    tip = path.depth > (1.0 - ZONE) * path.length
+    share = heights[tip] / heights[tip].sum()
+    both = path.reactions()[:, :, : found.shape[2]], found
+    known, own = (np.concatenate([p[:, ~tip], (share @ p[:, tip])[:, None]], axis=1) for p in both)
+    size = float(np.linalg.norm(known, axis=0).max())
+    return 100.0 * float(np.linalg.norm(own - known, axis=0).max()) / size
+
+
 COLUMNS = (
     Column("path", "path", words=True),
     Column("role", "role", words=True),
     Column("H [%]", "H_error_pct", ".1f"),
     Column("M [%]", "M_error_pct", ".1f"),
+    Column("p [%]", "p_error_pct", ".1f"),
     Column("T [%]", "T_error_pct", ".1f"),
     Column("u [%]", "u_error_pct", ".1f"),
     Column("rot [%]", "rotation_error_pct", ".1f"),
 )
 _NOTES = (
     "H, M (M/L): largest error of the vector at the motions of the full model, over the largest (H, M/L) of the path; "
-    "T (T/R): over the largest load",
+    "T (T/R): over the largest load; p: vectors by depth, over the largest p",
     "u, rot (rotation L): at its loads, over the largest motion of the path; '-': not carried, or undefined",
 )
 

@@ -36,7 +36,12 @@ CALIBRATED = (
     "--out NEW.nc` writes a file that has them"
 )
 VERSION = 9
+SPACE_VERSION = b"space 1"  # of elements in space
 CHANGE = f"{MEMORY}_load_change"
+_SPACE = {
+    "space_rows": ("space_element", "space_parameter"), "space_p_loads": ("space_depth", "space_load"),
+    "space_p_elastic": ("space_depth", "space_motion"),
+}  # fmt: skip
 _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 
@@ -247,7 +252,8 @@ def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:
         "M_errors": [e[1] for e in elements.errors.values()],
     }
     if elements.space is not None:
-        data["space_rows"] = ("space_element", "space_parameter"), elements.space.rows, {"units": "1"}
+        for name, of in _SPACE.items():
+            data[name] = (of, getattr(elements.space, name.removeprefix("space_")), {"units": "1"})
         attrs |= _space_attrs(elements.space)
     return xr.Dataset(data, attrs=attrs)
 
@@ -274,8 +280,9 @@ def _space_of(stored: xr.Dataset) -> SpaceElements | None:
         return None
     names = ("radius_m", "twist_m", "space_residual", "torsion_residual")
     radius, twist, residual, of_torsion = (float(stored.attrs[name]) for name in names)
-    rows, errors = np.ascontiguousarray(stored["space_rows"].values), _errors(stored.attrs, "space_")
-    return SpaceElements(rows, radius, twist, residual, of_torsion, errors)
+    rows, loads, elastic = (np.ascontiguousarray(stored[name].values) for name in _SPACE)
+    errors = _errors(stored.attrs, "space_")
+    return SpaceElements(rows, radius, twist, loads, elastic, residual, of_torsion, errors)
 
 
 def from_dataset(stored: xr.Dataset) -> ElementSet:
@@ -300,6 +307,7 @@ def digest(springs: Springs) -> str:
         for values in (path.u, path.rotation, path.water, path["time"]):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
     for space in springs.turning:
+        found.update(SPACE_VERSION)
         for values in (space.motions(0.5 * springs.diameter), space.loads(0.5 * springs.diameter)):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
     return found.hexdigest()

@@ -38,6 +38,8 @@ class SpaceElements:
     rows : (n, SPACE_COLUMNS) parameters, see `pysprings.memory.elements`.
     radius : at the wall [m], which makes a length of the twist.
     twist : largest motion of the wall by a twist [m]; 0 without elements of torsion.
+    p_loads, p_elastic : (k, 2) and (k, 2 m) p [N/m] at k depths in each plane, by its load (H, M/L) [N] and by the
+        elastic motions [m] of the m elements without torsion (`pysprings.memory.offered.Offered.of_space`).
     residual, torsion_residual : norm of what is left of the weighted equations, relative to their right sides.
     errors : largest error in H and M/L (vectors) of each way out of the plane, over its largest load.
     """
@@ -45,6 +47,8 @@ class SpaceElements:
     rows: Array
     radius: float
     twist: float
+    p_loads: Array
+    p_elastic: Array
     residual: float
     torsion_residual: float
     errors: dict[str, tuple[float, float]]

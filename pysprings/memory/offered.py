@@ -51,6 +51,15 @@ class Offered:
         rows = np.concatenate(choice.rows)
         return cls(rows, np.zeros(len(rows), dtype=bool))
 
+    @classmethod
+    def of_space(cls, rows: Array) -> "Offered":
+        """Return what `in_space` made elements in space of (n, SPACE_COLUMNS); those of torsion are left out."""
+        parts = rows[:, COLUMNS:]
+        spread, round_ = parts[:, :2].any(axis=1), ~parts.any(axis=1)
+        one = rows[spread, :COLUMNS][: int(spread.sum()) // AZIMUTHS].copy()
+        _share(one, 0.5 * AZIMUTHS)
+        return cls(np.concatenate([rows[round_, :COLUMNS], one]), np.arange(round_.sum() + len(one)) >= round_.sum())
+
     def with_rows(self, rows: Array) -> "Offered":
         """Return the same with other parameters of its elements."""
         return Offered(rows, self.spread)
@@ -90,14 +99,19 @@ def in_space(rows: Array, spread: Marks) -> Array:
     """Return elements in space (m, SPACE_COLUMNS): round ones, and spread ones in each of their planes."""
     round_ = np.zeros((int((~spread).sum()), SPACE_COLUMNS))
     round_[:, :COLUMNS] = rows[~spread]
-    own, share = rows[spread].copy(), 2.0 / AZIMUTHS
-    plate = np.isin(own[:, 0], PLATES)
-    own[plate, 6] *= share
-    own[~plate, 4:7] *= share
+    own = rows[spread].copy()
+    _share(own, 2.0 / AZIMUTHS)
     planes = [
         np.hstack([own, np.broadcast_to([np.cos(angle), np.sin(angle), 0.0], (len(own), 3))]) for angle in azimuths()
     ]
     return np.ascontiguousarray(np.concatenate([round_, *planes]))
+
+
+def _share(rows: Array, share: float) -> None:
+    """Multiply the stiffness of elements (n, COLUMNS)."""
+    plate = np.isin(rows[:, 0], PLATES)
+    rows[plate, 6] *= share
+    rows[~plate, 4:7] *= share
 
 
 def numbers_of(rows: Array, spread: Marks) -> NDArray[np.int64]:

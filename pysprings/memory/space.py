@@ -30,8 +30,10 @@ from pysprings.memory.calibration import (
 )
 from pysprings.memory.candidates import LARGEST, SMALLEST, plastic_rows
 from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
-from pysprings.memory.offered import AZIMUTHS, in_space, numbers_of, offered
+from pysprings.memory.offered import AZIMUTHS, Offered, elastic_motions, in_space, numbers_of, offered
 from pysprings.memory.samples import Sample, places
+from pysprings.memory.shares import RIDGE, loads_of
+from pysprings.memory.water import ridge_fit
 from pysprings.springs.path import SpacePath
 from pysprings.springs.springs import Springs
 
@@ -41,7 +43,6 @@ WEIGHT, FLOOR = 2.0, 0.1  # of a path out of the plane beside a ray; errors are 
 PER_REACH = 0.4  # largest motion of rays that turn back, over the reach: places on a path follow from it
 # Of elements of torsion: number of sizes, gains, and lengths over the reach over which half of the gain is reached
 TORSION_SIZES, TORSION_GAINS, TORSION_LENGTHS = 32, (1.0, 3.0, 10.0, 30.0, 100.0), (0.001, 0.005, 0.02, 0.1, 0.5, 2.0)
-ALONE = 1e-3  # share of the motion of the wall up to which the lid centre may move on a twist
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,14 +50,10 @@ class SpaceWay:
     """A way out of one plane: motions (n, 5) [m] and loads (n, 5) [N] of `elements`, weight of each point (n,)."""
 
     name: str
+    kind: str
     motions: Array
     loads: Array
     weights: Array
-
-    @property
-    def twists(self) -> bool:
-        """Whether the caisson turns about its axis alone."""
-        return not np.abs(self.motions[:, :4]).max() > ALONE * np.abs(self.motions[:, 4]).max()
 
 
 def way_out(path: SpacePath, radius: float, reach: float, weight: float = WEIGHT) -> SpaceWay:
@@ -66,7 +63,8 @@ def way_out(path: SpacePath, radius: float, reach: float, weight: float = WEIGHT
     at = places(motions, way, PER_REACH * reach)
     motions, loads = (np.stack([np.interp(at, way, each) for each in values.T], axis=1) for values in (motions, loads))
     size = np.linalg.norm(loads, axis=1)
-    return SpaceWay(path.name, motions, loads, weight / np.sqrt(len(at)) / np.maximum(size, FLOOR * size.max()))
+    weights = weight / np.sqrt(len(at)) / np.maximum(size, FLOOR * size.max())
+    return SpaceWay(path.name, path.kind, motions, loads, weights)
 
 
 def calibrate_in_space(
@@ -79,15 +77,43 @@ def calibrate_in_space(
     """
     radius, reach = 0.5 * springs.diameter, planar.reach
     out = [way_out(path, radius, reach) for path in springs.turning]
-    lateral, twists = [way for way in out if not way.twists], [way for way in out if way.twists]
+    lateral, twists = ([way for way in out if (way.kind == "twist") == twist] for twist in (False, True))
     if not lateral:
         return None
     torsion, torsion_left = torsion_elements(twists, springs, reach)
     rows, left = _lateral(planar.rows, ways, lateral, table, stiffness, (reach, MOST_NUMBERS - STATES * len(torsion)))
+    p = _by_depth(Offered.of_space(rows), ways, springs, table, planar.largest)
     rows = np.concatenate([rows, torsion])
     farthest = max((float(np.abs(way.motions[:, 4]).max()) for way in twists), default=0.0)
     errors = {way.name: errors_of(rows, way.motions, way.loads, planar.largest) for way in lateral}
-    return SpaceElements(rows, radius, farthest, left, torsion_left, errors)
+    return SpaceElements(rows, radius, farthest, *p, left, torsion_left, errors)
+
+
+def _by_depth(
+    choice: Offered, ways: Sequence[Sample], springs: Springs, table: FanTable, largest: float
+) -> tuple[Array, Array]:
+    """Return p (k, 2) by the load (H, M/L) of a plane and (k, 2 elements) by the elastic motions of elements.
+
+    From the recorded planar ways, and both planes of the paths out of them; a regression, as that of the plane.
+    """
+    known = [(way.motions, way.reactions[table.name == "p"][None], way.weights) for way in ways if way.recorded]
+    for path in springs.turning:
+        if path.kind != "twist":
+            size = np.linalg.norm(path.loads(1.0)[:, :4], axis=1)
+            weights = WEIGHT / np.sqrt(path.n) / np.maximum(size, FLOOR * size.max())
+            known.append((path.motions(1.0), path.reactions(), weights))
+    e, F, p, w = [], [], [], []
+    for motions, found, weights in known:
+        elastic = elastic_motions(choice, motions, largest)
+        for plane, values in enumerate(found):
+            own = elastic[:, :, 2 * plane : 2 * plane + 2]
+            e.append(own.reshape(len(own), -1))
+            F.append(loads_of(choice.rows, own))
+            p.append(values.T)
+            w.append(weights)
+    E, loads, P, weights = (np.concatenate(parts) for parts in (e, F, p, w))
+    S = np.linalg.lstsq(loads * weights[:, None], P * weights[:, None], rcond=None)[0]
+    return np.ascontiguousarray(S.T), ridge_fit(E, P - loads @ S, weights, RIDGE)
 
 
 def _lateral(

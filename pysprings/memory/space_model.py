@@ -23,7 +23,9 @@ from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import ElementSet, SpaceElements
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
-from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, same_loads
+from pysprings.memory.offered import Offered, elastic_motions
+from pysprings.memory.shares import loads_of
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, same_loads
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -51,6 +53,7 @@ class SpaceSprings:
     length, reach : skirt length, and size of the largest motion of the rays [m].
     largest : largest step of a motion [m].
     V : vertical load [N] of the paths of the calibration.
+    origin : a path with the depths of the reactions.
     load_scale : sizes of H [N] and M [N m], for tolerances.
     attrs : attributes of the springs.
     """
@@ -61,6 +64,7 @@ class SpaceSprings:
     largest: float
     V: float
     load_scale: tuple[float, float]
+    origin: SpringPath
     attrs: Mapping[Any, Any]
 
     @classmethod
@@ -83,7 +87,8 @@ class SpaceSprings:
         """Return the springs of a set of elements. Raises UserInputError where it has none in space."""
         if elements.space is None:
             raise refused("springs", MISSING)
-        return cls(elements.space, springs.length, elements.reach, elements.largest, V, load_scale, springs.attrs)
+        size = springs.length, elements.reach, elements.largest
+        return cls(elements.space, *size, V, load_scale, springs.path(), springs.attrs)
 
     @property
     def has_torsion(self) -> bool:
@@ -157,6 +162,16 @@ class SpaceSprings:
         scaled: Array = found[..., back[:, None], back] * self.to_motion * self.to_motion[:, None]
         return scaled
 
+    def reactions(self, turns: Array) -> Array:
+        """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions (n, 5) from rest on."""
+        choice, own = Offered.of_space(self.elements.rows), self.elements
+        e = elastic_motions(choice, self.motions_of(turns), self.largest)
+        planes = [e[:, :, :2], e[:, :, 2:]]
+        found: Array = np.stack([
+            own.p_loads @ loads_of(choice.rows, one).T + own.p_elastic @ one.reshape(len(one), -1).T for one in planes
+        ])  # fmt: skip
+        return found
+
     def range_used(self, turns: Array) -> Array:
         """Return the size of motions (n, 5) over that of the rays, or of the twist where that is more."""
         motions = self.motions_of(turns)
@@ -194,14 +209,18 @@ class SpaceSprings:
         if time is not None:
             values["time"] = time[:n]
         known = variables.GROUPS["space_prediction"]
-        data = {name: (("step",), value, known[name].attributes()) for name, value in values.items()}
+        data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
         text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"
         attrs = {
             "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
             "beyond_range": [text] if values["extrapolated"].any() else [], "refusals": [], "remarks": [NO_HEAVE],
         }  # fmt: skip
-        return xr.Dataset(data, {"step": np.arange(n)}, attrs)
+        p = dict(zip(("p_x", "p_y"), self.reactions(turns), strict=True))
+        p["depth_bounds"] = self.origin["depth_bounds"]
+        by_depth = {name: (known[name].dims, value, known[name].attributes()) for name, value in p.items()}
+        depth = ("depth", self.origin.depth, known["depth"].attributes())
+        return xr.Dataset(data | by_depth, {"step": np.arange(n), "depth": depth}, attrs)
 
 
 class SpaceStepper:

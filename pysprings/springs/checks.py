@@ -47,7 +47,8 @@ def validate_springs(tree: xr.DataTree, file: str | os.PathLike[str] | None = No
     )
     paths = [] if problems else list(paths_of(tree).values())
     problems = problems or [fault for path in paths for fault in _path_faults(tree, path)]
-    problems = problems or [fault for path in space_paths_of(tree).values() for fault in _space_faults(path)]
+    depth = paths[0].depth if paths else np.zeros(0)
+    problems = problems or [fault for path in space_paths_of(tree).values() for fault in _space_faults(path, depth)]
     problems = problems or [
         (f"paths/{path.name}/{key}", text) for path in paths if balanced for key, text in balance_faults(path.recorded)
     ]
@@ -156,8 +157,8 @@ def _path_faults(tree: xr.DataTree, path: RecordedPath) -> Iterator[tuple[str, s
     yield from ((f"{place}/{key}", text) for key, text in _step_faults(dataset, rigid))
 
 
-def _space_faults(path: SpacePath) -> Iterator[tuple[str, str]]:
-    """Yield what is wrong with a path that leaves the plane of one load."""
+def _space_faults(path: SpacePath, depth: np.ndarray) -> Iterator[tuple[str, str]]:
+    """Yield what is wrong with a path that leaves the plane of one load; depth: that of paths in one plane."""
     place, attrs = f"space/{path.name}", path.attrs
     for key, allowed in (("kind", tuple(PATH_KINDS)), ("role", ROLES[1:])):
         if text_of(attrs.get(key)) not in allowed:
@@ -166,7 +167,9 @@ def _space_faults(path: SpacePath) -> Iterator[tuple[str, str]]:
     if good.sum() < FEWEST_STATES or not good[0]:
         yield f"{place}/converged", "needs the initial state and at least one converged step"
         return
-    for name in (*MOTIONS, *LOADS):
+    if not np.array_equal(path.depth, depth):
+        yield f"{place}/depth", "is not that of the paths in one plane"
+    for name in (*MOTIONS, *LOADS, "p_x", "p_y"):
         if not np.isfinite(path[name]).all():
             yield f"{place}/{name}", "not finite at a converged step"
 

@@ -293,6 +293,12 @@ class SpacePath(RecordedPath):
         """Return (H_x, M_y/L, H_y, -M_x/L, T/R) (n, 5) [N] from rest, conjugate to `motions`."""
         return self.scaled(self.pushes(), 1.0 / self.length, 1.0 / radius)
 
+    def reactions(self) -> Array:
+        """Return p of both sides in the planes of x and y, (2, depth, n) [N/m], from rest."""
+        p = np.stack([self.dataset[f"p_{axis}"].sum("side").transpose("depth", "step").values for axis in "xy"])
+        found: Array = p - p[:, :, :1]
+        return found
+
     @staticmethod
     def scaled(values: Array, length: float, radius: float) -> Array:
         """Return motions or loads (n, 5) in the order and with the units of `motions` or `loads`."""

@@ -31,11 +31,16 @@ def round_masing(x: np.ndarray) -> np.ndarray:
     return out
 
 
+def by_depth(turns: np.ndarray) -> np.ndarray:
+    """Return p (depth, 2, n) [N/m] in the planes of x and y along motions (n, 5) from rest."""
+    u, lean = turns[:, :2].T, np.stack([turns[:, 3], -turns[:, 2]])
+    return winkler.P_STIFFNESS * round_masing(u - lean * DEPTH[:, None, None])
+
+
 def pushes(turns: np.ndarray) -> np.ndarray:
     """Return (H_x, H_y, M_x, M_y, T) (n, 5) along motions (u_x, u_y, rot_x, rot_y, rot_z) (n, 5) from rest."""
-    u, lean = turns[:, :2].T, np.stack([turns[:, 3], -turns[:, 2]])  # in the planes of x and y
-    y = u - lean * DEPTH[:, None, None]
-    p, m = winkler.P_STIFFNESS * round_masing(y), winkler.M_STIFFNESS * round_masing(LENGTH * lean) / LENGTH
+    lean = np.stack([turns[:, 3], -turns[:, 2]])  # in the planes of x and y
+    p, m = by_depth(turns), winkler.M_STIFFNESS * round_masing(LENGTH * lean) / LENGTH
     H = np.einsum("dan,d->an", p, HEIGHT)
     M = np.einsum("dan,d->an", -p * DEPTH[:, None, None], HEIGHT) + m * LENGTH
     wall = RADIUS * turns[:, 4]
@@ -50,7 +55,9 @@ def path(turns: np.ndarray, kind: str, role: str) -> xr.Dataset:
     values = dict(zip(names[0], turns.T, strict=True)) | dict(zip(names[1], pushes(turns).T, strict=True))
     values |= {"w": np.zeros(n), "V": np.full(n, 2e6), "time": np.arange(n, dtype=float)}
     data = {name: ("step", value) for name, value in values.items()} | {"converged": ("step", np.ones(n, np.int8))}
-    data |= {name: (("depth", "side", "step"), none) for name in ("p_x", "p_y", "t", "torque")}
+    p, dims = by_depth(turns), ("depth", "side", "step")
+    data |= {f"p_{axis}": (dims, np.stack([p[:, k], 0.0 * p[:, k]], 1)) for k, axis in enumerate("xy")}
+    data |= {name: (dims, none) for name in ("t", "torque")}
     edges = np.concatenate([[0.0], np.cumsum(HEIGHT)])
     data["depth_bounds"] = ("depth", "bound"), np.stack([edges[:-1], edges[1:]], axis=1)
     coords = {"depth": DEPTH, "side": list(variables.SIDES)}

@@ -29,7 +29,7 @@ from pysprings.memory.elements import (
     advance,
     tangents,
 )
-from pysprings.memory.offered import AZIMUTHS, in_space, numbers_in_space, numbers_of, offered
+from pysprings.memory.offered import AZIMUTHS, Offered, in_space, numbers_in_space, numbers_of, offered
 from pysprings.memory.space_model import SpaceSprings, SpaceStepper
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.checks import RESULT, open_springs, save_springs
@@ -151,12 +151,35 @@ def test_a_circle_calibrates_springs_that_meet_an_elbow_of_another_law() -> None
     rows = compare_in_space(calibrated()).set_index("path")
     assert list(rows.index) == ["circle", "twist", "elbow"]
     for name in ("circle", "elbow"):
-        assert rows.loc[name, ["H_error_pct", "M_error_pct"]].max() < 6.0
+        assert rows.loc[name, ["H_error_pct", "M_error_pct", "p_error_pct"]].max() < 6.0
     assert rows.loc["elbow", ["u_error_pct", "rotation_error_pct"]].max() < 8.0
     assert rows.loc["twist", "T_error_pct"] < 2.0 and rows.loc["elbow", "T_error_pct"] < 1e-6
     assert np.isnan(rows.loc["twist", "H_error_pct"])
     text = in_space_text(rows.reset_index())
     assert "elbow" in text and "held-back" in text and "M (M/L)" in text
+
+
+def test_p_by_depth_is_that_of_the_other_law_out_of_the_plane() -> None:
+    """On the elbow that is held back, as vectors, over the largest p; turned with the motion."""
+    turns = elbow(0.3 * space_paths.REACH, 0.6 * space_paths.REACH, 0.1 / LENGTH)[1:]
+    known = space_paths.by_depth(turns).transpose(1, 0, 2)
+    answer = sequence_in_space(calibrated(), turns, control="state")
+    found = np.stack([answer["p_x"], answer["p_y"]])
+    size = np.linalg.norm(known, axis=0).max()
+    assert np.linalg.norm(found - known, axis=0).max() < 0.06 * size
+    assert answer["depth"].values.tolist() == space_paths.DEPTH.tolist()
+    across = turns[:, [1, 0, 3, 2, 4]] * [-1.0, 1.0, -1.0, 1.0, 1.0]  # a quarter turn
+    other = sequence_in_space(calibrated(), across, control="state")
+    np.testing.assert_allclose(other["p_y"], found[0], atol=1e-6 * size)
+
+
+def test_elements_in_space_are_those_of_their_offer() -> None:
+    rows = mixed(8)
+    spread = np.isin(rows[:, 0], PLATES)
+    found = Offered.of_space(elements())
+    assert found.spread.sum() < len(found.rows)
+    again = Offered.of_space(in_space(rows, spread))
+    np.testing.assert_allclose(again.rows, np.concatenate([rows[~spread], rows[spread]]), rtol=1e-12)
 
 
 def test_a_pull_in_any_direction_has_the_same_answer() -> None:
