@@ -33,7 +33,8 @@ Marks = NDArray[np.bool_]
 _ORDER = np.array([0, 3, 1, 2, 4])  # of SPACE_TURNS, as elements take them
 TOGETHER = 0.02  # share of the load above which torsion and lateral loads act together
 MISSING = (
-    "no path that leaves the plane: springs of one plane do not show how the soil reacts to loads from several sides. "
+    "no complete path that leaves the plane calibrates them: one plane does not show how the soil reacts to loads from "
+    "several sides. "
     "Run the scene with `[springs] memory = true` and `directions = true`"
 )
 APART = (

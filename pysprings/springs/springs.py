@@ -219,9 +219,9 @@ class Springs:
 
     @cached_property
     def turning(self) -> tuple[SpacePath, ...]:
-        """Paths of the role "memory" that leave the plane, at the vertical load of the main paths."""
+        """Complete paths of the role "memory" that leave the plane, at the vertical load of the main paths."""
         main = self.paths[self.main_paths[0]].load if self.main_paths else self.rest_load
-        found = (path for path in self.space.values() if path.remembers and path.n > 1)
+        found = (path for path in self.space.values() if path.remembers and path.attrs.get("status") == "complete")
         return tuple(path for path in found if same_load(path.load, main))
 
     @cached_property

@@ -275,9 +275,13 @@ def test_what_the_springs_do_not_cover_is_marked_or_refused() -> None:
         assert sequence_in_space(calibrated(), [[2e5, 0, 0, 0, 0]], V=1e6)["off_load"][0] == 1
     with pytest.raises(UserInputError, match="'fan' answers loads in one plane only"):
         sequence_in_space(calibrated(), both, springs_kind="fan")
-    with pytest.raises(UserInputError, match=r"no path that leaves the plane.*directions = true"):
+    with pytest.raises(UserInputError, match=r"no complete path that leaves the plane.*directions = true"):
         tree = calibrated().copy(deep=True)
         del tree["space"]
+        sequence_in_space(tree, both)
+    with pytest.raises(UserInputError, match="no complete path that leaves the plane"):
+        tree = calibrated().copy(deep=True)
+        tree["space/circle"].attrs["status"] = tree["space/twist"].attrs["status"] = "partial"
         sequence_in_space(tree, both)
     with pytest.raises(UserInputError, match="they carry no torsion"):
         sequence_in_space(calibrated(twisted=False), both)
