@@ -21,7 +21,7 @@ paths that it comes from. Answers that the springs support in part are marked:
 - `off_path`: with springs of one path, far from it (their p and m hold on that path only); with a fan, between rays
   more than 60 degrees apart; from where a sequence leaves its first direction (`pysprings.macro.ways`);
 - `turned_back`: from where a sequence turns back;
-- `off_load`: under a vertical load more than 10 % from those of the lateral springs (`pysprings.springs.path_sets`; between
+- `off_load`: under a V more than 10 % from those of the lateral springs (`pysprings.springs.path_sets`; between
   sets at several loads they are interpolated). H and M are those at the nearest load, w follows the vertical springs
   (`pysprings.macro.vertical`), or without them the elastic vertical stiffness.
 
