@@ -82,7 +82,7 @@ mutation: $(DEV)
 verification: $(DEV)
 	$(BIN)/python -m tests.verification.table
 
-# the table behind docs/evidence/verification.md (four minutes)
+# the table behind docs/evidence/verification.md (35 CPU minutes, 9 GB)
 verification-data: $(DEV)
 	mkdir -p out
 	$(BIN)/python -m tests.verification.table --out out/verification.csv

@@ -176,7 +176,7 @@ def write_rows(rows: Iterable[Row], file: Path, keep_others: bool = False) -> No
     lines = []
     for row in rows:
         tolerance = "" if row.tolerance is None else str(row.tolerance)
-        lines.append([*cells(row), repr(row.ours), repr(row.reference), tolerance])
+        lines.append([*cells(row), repr(float(row.ours)), repr(float(row.reference)), tolerance])
     if keep_others and file.exists():
         with file.open(newline="", encoding="utf-8") as stream:
             lines = [old for old in [*csv.reader(stream)][1:] if old[0] not in {line[0] for line in lines}] + lines
