@@ -25,6 +25,8 @@ from pysprings.core.progress import Progress, Total
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Workers
 from pysprings.full_model.accuracy.own_estimate import (
+    AT_LEAST,
+    LONGEST,
     companions_of,
     estimates_by_default,
     with_estimate,
@@ -144,7 +146,7 @@ def run_into(folder: FilePath | None, scene: Scene, options: RunOptions, sink: S
 
 def _run_and_estimate(ran: Scene, scene: Scene, options: RunOptions, sink: Sink) -> Computed:
     """Run a scene, then estimate the error of its mesh; run it again where its series needs more harmonics."""
-    saved = options.checkpoints
+    saved, began = options.checkpoints, time.monotonic()
     chosen = saved.harmonics if saved is not None and options.resume else options.harmonics
     result, estimate = compute(scene, replace(options, harmonics=chosen)), options.estimate_error
     if result.interrupted or not (estimates_by_default(ran) if estimate is None else estimate):
@@ -156,7 +158,9 @@ def _run_and_estimate(ran: Scene, scene: Scene, options: RunOptions, sink: Sink)
         return compute(scene, replace(options, harmonics=harmonics, resume=False))
 
     beside = partial(compute, workers=options.workers)
-    return with_estimate(ran, result, companions_of(ran, beside, options.progress, chosen, saved), again)
+    now = time.monotonic()
+    until = now + max(LONGEST * (now - began), AT_LEAST)
+    return with_estimate(ran, result, companions_of(ran, beside, options.progress, chosen, saved, until), again)
 
 
 def compute(scene: Scene, options: RunOptions | None = None, **given: object) -> Computed:

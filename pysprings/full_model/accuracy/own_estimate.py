@@ -8,6 +8,7 @@ the scene runs again. Its paths are extrapolated from both meshes (`extrapolatio
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -39,6 +40,11 @@ PHASE = "error estimate"  # also its name among the parts of a run that were not
 ENOUGH = {"coarse": 2.0, "medium": 1.0}
 ENOUGH_ELSE = 0.5
 MOST = 9  # harmonics that are tried
+LONGEST, AT_LEAST = (
+    5.0,
+    300.0,
+)  # wall time of the runs beside over that of the run itself, and that they have always [s]
+TOO_LONG = f"it took more than {LONGEST:g} times the run itself"
 
 
 @dataclass
@@ -52,6 +58,7 @@ class Companions:
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
     checkpoints : of the run that they stand beside.
+    until : when they are given up [s], of `time.monotonic`; late : whether they were.
     """
 
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
@@ -62,6 +69,8 @@ class Companions:
     again: bool = False
     clock: Clock = field(default_factory=Clock)
     checkpoints: Checkpoints | None = None
+    until: float = math.inf
+    late: bool = False
 
     def count_elsewhere(self, seconds: float) -> None:
         """Add CPU seconds of worker processes, and of earlier parts of a run that goes on."""
@@ -72,8 +81,20 @@ class Companions:
         self.again = not isinstance(error, RunIncomplete | UserInputError)
         interrupted = isinstance(error, KeyboardInterrupt)
         self.why_not = (
-            str(StopReason.INTERRUPTED) if interrupted else f"the run on the coarser mesh failed: {reason_of(error)}"
+            self.stopped_by(str(StopReason.INTERRUPTED))
+            if interrupted
+            else f"the run on the coarser mesh failed: {reason_of(error)}"
         )
+
+    def stopped_by(self, reason: str) -> str:
+        """Return the reason of a stop, or that it was for its time."""
+        return TOO_LONG if self.late else reason
+
+    def go_on(self) -> None:
+        """Stop what runs, as Ctrl-C does, where its time is over: checkpoints have what it did."""
+        if time.monotonic() > self.until:
+            self.late = True
+            raise KeyboardInterrupt
 
 
 def estimates_by_default(scene: Scene) -> bool:
@@ -87,14 +108,15 @@ def companions_of(
     progress: Progress | None = None,
     chosen: int | None = None,
     checkpoints: Checkpoints | None = None,
+    until: float = math.inf,
 ) -> Companions:
     """Run a scene on its coarser mesh; of a Fourier series, choose the number of harmonics that it needs.
 
     ``compute`` runs a scene (`full_model.compute`), and goes on from ``checkpoints`` beside those of the scene's own
-    run. A run that goes on keeps the number that was ``chosen`` when it began. Nothing is raised: without a run the
-    companions have the reason.
+    run. A run that goes on keeps the number that was ``chosen`` when it began. They are given up at a time ``until``
+    [s] of `time.monotonic`. Nothing is raised: without a run the companions have the reason.
     """
-    companions = Companions(checkpoints=checkpoints)
+    companions = Companions(checkpoints=checkpoints, until=until)
     with companions.clock.phase(PHASE):
         try:
             coarse = two_mesh.coarser(scene)
@@ -135,16 +157,19 @@ def _run(
 ) -> bool:  # fmt: skip
     """Run a scene on the coarser mesh and keep its result; return whether there is one."""
     beside = "" if key is None else f", {key} harmonics"
-    report = (
-        None if progress is None else (lambda at, share, text: progress(f"coarser mesh{beside}, {at}", share, text))
-    )
+
+    def report(at: str, share: float, text: str) -> None:
+        companions.go_on()
+        if progress is not None:
+            progress(f"coarser mesh{beside}, {at}", share, text)
+
     saved, name = companions.checkpoints, f"{key or 'bricks'}{'' if into is companions.trees else 'few'}"
     kept = {} if saved is None else {"checkpoints": saved.companion(name), "resume": None}
     before = time.process_time()
     coarse = compute(scene, progress=report, **kept)
     companions.count_elsewhere(coarse.record.cpu_s - (time.process_time() - before))
     if coarse.record.stopped_by is not None:
-        companions.why_not, companions.again = str(coarse.record.stopped_by), True
+        companions.why_not, companions.again = companions.stopped_by(str(coarse.record.stopped_by)), True
         return False
     companions.stopped |= {
         name: str(path.reason or path.status) for name, path in coarse.record.paths.items() if path.reason is not None

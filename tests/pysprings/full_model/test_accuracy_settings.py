@@ -2,6 +2,7 @@
 """Settings of the study, the choice by target error, and the two-mesh estimate on results with a known order."""
 
 import re
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -231,6 +232,21 @@ def test_whatever_becomes_of_the_coarser_run_the_result_stays(
     assert words in done.record.left_to_make and "--resume" in done.record.left_to_make
     assert words in done.recorded().attrs["run_json"]
     np.testing.assert_array_equal(done.tree["paths/pull/H"], load)
+
+
+def test_a_coarser_run_beyond_its_time_is_given_up_and_named() -> None:
+    """Its progress stops it, as Ctrl-C would; the run's own results are there, and nothing else is left out."""
+
+    def compute(scene: Scene, progress: Any, **_: Any) -> Computed:
+        progress("pull", 0.5, "")
+        return finished(with_error(3000, harmonics=scene.mesh.harmonics))
+
+    scene, done = tiny.sand(mesh={"discretisation": "fourier"}), finished(with_error(9000, harmonics=3))
+    assert companions_of(scene, compute, until=time.monotonic() + 60.0).why_not == ""
+    late = companions_of(scene, compute, until=time.monotonic() - 1.0)
+    with_estimate(scene, done, late, breaks)
+    assert done.record.not_made == {"error estimate": "it took more than 5 times the run itself"}
+    assert "--resume" in done.record.left_to_make
 
 
 @pytest.mark.parametrize(
