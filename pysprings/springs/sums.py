@@ -26,6 +26,17 @@ def action(name: str, depth: float, height: float, length: float) -> tuple[float
     }[name]
 
 
+def with_moment(p: np.ndarray, moment: np.ndarray, depth: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Return p (depth, ..., step) [N/m] whose moment about the lid is ``moment`` (..., step) [N m]; its force stays.
+
+    What is added is linear in depth [m], over slices of these heights [m].
+    """
+    tilt = depth - (heights @ depth) / heights.sum()
+    missing = moment - np.tensordot(depth * heights, p, axes=1)
+    added: np.ndarray = p + tilt.reshape(-1, *[1] * (p.ndim - 1)) * (missing / ((heights * depth) @ tilt))
+    return added
+
+
 def slice_heights(dataset: xr.Dataset) -> np.ndarray:
     """Return the height of the slice of each depth [m], the weights of an integral over depth."""
     bounds = dataset.variables["depth_bounds"].values

@@ -82,14 +82,20 @@ def _checked(bounds: ArrayLike, path: xr.Dataset) -> Array:
     return edges
 
 
+def shares(old: Array, edges: Array) -> Array:
+    """Return which part of each slice between edges (n + 1,) [m] the slices with bounds (k, 2) [m] are, (n, k)."""
+    low, high = np.maximum(edges[:-1, None], old[:, 0]), np.minimum(edges[1:, None], old[:, 1])
+    return np.asarray(np.maximum(high - low, 0.0) / np.diff(edges)[:, None])
+
+
 def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
     """Return a path whose slices lie between these depths [m]; by default those of `tip_zone`."""
     edges = tip_zone(path) if edges is None else edges
     old, rings = path.variables["depth_bounds"].values, path["depth"].values
     low, high = np.maximum(edges[:-1, None], old[:, 0]), np.minimum(edges[1:, None], old[:, 1])
-    overlap = np.maximum(high - low, 0.0)
-    share = xr.DataArray(overlap / np.diff(edges)[:, None], dims=("slice", "depth"))
-    whole = (overlap > 0.0) & np.isclose(old[:, 0], edges[:-1, None]) & np.isclose(old[:, 1], edges[1:, None])
+    covered = shares(old, edges)
+    share = xr.DataArray(covered, dims=("slice", "depth"))
+    whole = (covered > 0.0) & np.isclose(old[:, 0], edges[:-1, None]) & np.isclose(old[:, 1], edges[1:, None])
     at = np.where(whole.any(axis=1), rings[whole.argmax(axis=1)], 0.5 * (edges[1:] + edges[:-1]))
     # where the force of a covered part acts: as far from its middle as the ring is from that of its slice
     arms = 0.5 * (low + high) + rings - old.mean(axis=1) - at[:, None]

@@ -22,6 +22,7 @@ from pysprings.core.variables import EXTRAPOLATED
 from pysprings.model.fourier_mesh import COHESIVE, FRICTIONAL
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.path_ends import end_numbers
+from pysprings.springs.sums import with_moment
 
 Array = NDArray[np.float64]
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
@@ -142,7 +143,5 @@ def _resliced(values: Array, path: xr.Dataset, bounds: Array, depth: Array, leve
     found = np.diff(at, axis=0) / new.reshape(shape)
     if levers:
         before = np.tensordot(path["depth"].values * heights, values, axes=1)
-        tilt = depth - (new @ depth) / new.sum()  # adds no force
-        missing = before - np.tensordot(depth * new, found, axes=1)
-        found = found + tilt.reshape(shape) * (missing / ((new * depth) @ tilt))
+        found = with_moment(found, before, depth, new)
     return np.asarray(found)

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from pysprings.macro.curve_table import Row
-    from pysprings.springs.path import SpringPath
     from pysprings.springs.springs import Springs
 
     Array = NDArray[np.float64]
@@ -84,7 +83,8 @@ def rows_of(springs: Springs, depths: Array | None) -> tuple[list[Row], dict[flo
     """
     import numpy as np
 
-    from pysprings.springs.tip_zone import tip_zone
+    from pysprings.springs.sums import with_moment
+    from pysprings.springs.tip_zone import shares, tip_zone
 
     if springs.pure_paths is None:
         raise refused("springs", "curves for beam programs need a pure translation and a pure rotation: run a fan")
@@ -94,10 +94,9 @@ def rows_of(springs: Springs, depths: Array | None) -> tuple[list[Row], dict[flo
     bounds = np.column_stack([edges[:-1], edges[1:]])
     force = {name: _change(slid[name])[None] for name in ("H_tip", "H_lid")}
     moment = {name: _change(turned[name])[None] for name in ("M_tip", "M_lid")}
-    share = _shares(slid, bounds)
-    forces, lost = _family(
-        springs, slid.u, {"p": _with_lever(share @ _change(slid.p), slid, z, bounds)} | force, z, bounds
-    )
+    share, p = shares(slid["depth_bounds"], edges), _change(slid.p)
+    p = with_moment(share @ p, (slid.depth * slid.heights) @ p, z, np.diff(edges))
+    forces, lost = _family(springs, slid.u, {"p": p} | force, z, bounds)
     moments, more = _family(springs, turned.rotation, {"m": share @ _change(turned.m)} | moment, z, bounds)
     return [*forces, *moments], dict(zip(z.tolist(), bounds.tolist(), strict=True)), [*lost, *more]
 
@@ -109,25 +108,6 @@ def _middles(x: Array) -> Array:
 def _change(values: Array) -> Array:
     """Return the change of values (..., steps) from the state at rest."""
     return values - values[..., :1]
-
-
-def _shares(path: SpringPath, bounds: Array) -> Array:
-    """Return which part of new slices (n,) the slices of a path (k,) are, (n, k): p, m there are constant in each."""
-    import numpy as np
-
-    old = path["depth_bounds"]
-    low, high = np.maximum(bounds[:, :1], old[:, 0]), np.minimum(bounds[:, 1:], old[:, 1])
-    return np.asarray(np.maximum(high - low, 0.0) / np.diff(bounds, axis=1))
-
-
-def _with_lever(p: Array, path: SpringPath, z: Array, bounds: Array) -> Array:
-    """Return p (n, steps) at depths z with the moment about the lid that p of a path has; the force stays."""
-    import numpy as np
-
-    height = np.diff(bounds, axis=1)[:, 0]
-    tilt = z - (height @ z) / height.sum()
-    missing = (path.depth * path.heights) @ _change(path.p) - (z * height) @ p
-    return p + tilt[:, None] * missing / ((height * z) @ tilt)
 
 
 def _family(
@@ -186,8 +166,11 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
     from pysprings.macro.model import MacroModel
     from pysprings.results.exporters.header import header, springs_at
     from pysprings.results.exporters.uniaxial.curve import table
+    from pysprings.results.exporters.uniaxial.export import FEWEST
     from pysprings.results.exporters.uniaxial.sets import Uniaxial, errors_by_role, lateral, with_tables
 
+    if int(options["points"]) < FEWEST:
+        raise refused("--option points", f"{options['points']} is not from {FEWEST} to any number")
     springs, V = springs_at(source, options)
     springs = springs.at(V=V)
     depths = depths_of(options["depths"], springs.length) if options["depths"] else None

@@ -95,10 +95,9 @@ def place_of(springs: Springs, text: str) -> Load:
     if level := re.fullmatch(r"([\d.]+) ?% of (\w+)", text.strip()):
         path, share = springs.path(level[2]), 0.01 * float(level[1])
         motion = np.stack([path.u, path.rotation])
-        size = np.hypot(motion[0], motion[1] * springs.length)
         if path.is_vertical or not 0.0 < share <= 1.0:
             raise refused("--option at", f"'{text}' is not above 0 and up to 100 % of the range of a lateral path")
-        step = int(np.argmin(np.abs(size - share * size.max())))
+        (step,) = _steps(motion, springs.length, (share,))
         return {"u": float(motion[0, step]), "rotation": float(motion[1, step])}
     found, problems = Load(), []
     for part in text.split(","):
@@ -137,10 +136,10 @@ def _entries(matrix: Array) -> list[str]:
     return [f"{1e-6 * value:.4g}" for value in (matrix[0, 0], matrix[0, 1], matrix[1, 1])]
 
 
-def _steps(motion: Array, length: float) -> list[int]:
-    """Return the steps at `SHARES` of the largest size of a motion (2, step)."""
+def _steps(motion: Array, length: float, shares: Sequence[float] = SHARES) -> list[int]:
+    """Return the steps at shares of the largest size of a motion (2, step)."""
     size = np.hypot(motion[0], motion[1] * length)
-    return [int(np.argmin(np.abs(size - share * size.max()))) for share in SHARES]
+    return [int(np.argmin(np.abs(size - share * size.max()))) for share in shares]
 
 
 def linear_errors(springs: Springs, lateral: Array | None = None) -> list[str]:

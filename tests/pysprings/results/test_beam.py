@@ -142,6 +142,11 @@ def test_depths_that_are_refused(depths: str, words: str) -> None:
         text(depths=depths)
 
 
+def test_too_few_points_are_refused() -> None:
+    with pytest.raises(UserInputError, match="--option points: 1 is not from"):
+        text(points="1")
+
+
 def test_depths_with_units_of_their_own() -> None:
     np.testing.assert_allclose(beam.depths_of("50 cm, 1.5, 2 m", 4.0), [0.5, 1.5, 2.0])
 
