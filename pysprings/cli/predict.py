@@ -316,9 +316,11 @@ def _matrices(
     model = model_of(springs, asking["springs_kind"], asking["path"], question.V)
     initial = stiffness.Form(**{**form, "secant": False})
     known = stiffness.has_six(springs)
-    one = known and states.sizes["step"] == 1
+    six = stiffness.six_at_state(model, states.isel(step=0), form) if known and states.sizes["step"] == 1 else None
+    if six is not None and "direction" in states:
+        six = stiffness.turned(six, float(states["direction"].values.flat[0]))
     return predictions.Matrices(
         at_states=stiffness.at_states(model, states, form),
-        six_at_state=stiffness.six_at_state(model, states.isel(step=0), form) if one else None,
+        six_at_state=six,
         six=stiffness.stiffness_six(springs, **initial) if known else None,
     )

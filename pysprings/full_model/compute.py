@@ -146,7 +146,7 @@ def run_into(folder: FilePath | None, scene: Scene, options: RunOptions, sink: S
 
 def _run_and_estimate(ran: Scene, scene: Scene, options: RunOptions, sink: Sink) -> Computed:
     """Run a scene, then estimate the error of its mesh; run it again where its series needs more harmonics."""
-    saved, began = options.checkpoints, time.monotonic()
+    saved = options.checkpoints
     chosen = saved.harmonics if saved is not None and options.resume else options.harmonics
     result, estimate = compute(scene, replace(options, harmonics=chosen)), options.estimate_error
     if result.interrupted or not (estimates_by_default(ran) if estimate is None else estimate):
@@ -158,8 +158,7 @@ def _run_and_estimate(ran: Scene, scene: Scene, options: RunOptions, sink: Sink)
         return compute(scene, replace(options, harmonics=harmonics, resume=False))
 
     beside = partial(compute, workers=options.workers)
-    now = time.monotonic()
-    until = now + max(LONGEST * (now - began), AT_LEAST)
+    until = time.monotonic() + max(LONGEST * result.record.wall_s, AT_LEAST)
     return with_estimate(ran, result, companions_of(ran, beside, options.progress, chosen, saved, until), again)
 
 

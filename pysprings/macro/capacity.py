@@ -32,7 +32,7 @@ from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import RANGE_END
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.ways import RANGE_SLACK
-from pysprings.springs.path import SAME_DIRECTION, same_loads
+from pysprings.springs.path import SAME_DIRECTION, close_loads
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:
@@ -323,4 +323,4 @@ def limit_loads_along(model: MacroModel, directions: Array, V: Array | None) -> 
             (d0, d1), (H, M) = directions.T, limit / size  # sums by hand: a product of matrices rounds by its size
             along, across = np.abs(d0 * H + d1 * M), np.abs(d1 * H - d0 * M)
             same = (along > 0.0) & (across <= np.sin(SAME_DIRECTION) * np.hypot(along, across))
-            yield end, same if V is None else same & same_loads(V, end.V)
+            yield end, same if V is None else same & close_loads(V, end.V)

@@ -53,11 +53,11 @@ def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Ar
     ----------
     force : (n, 2) H_x, H_y [N].
     bending : (n, 2) moments in the planes of x and y, M_y and -M_x [N m].
-    least : (n, 2) force [N] and moment [N m] that are rounding; by default a share of the moment.
+    least : (n, 2) force [N] and moment [N m] that are rounding; by default of forces at heights up to 100 m.
     plane : (n, 2) unit vectors of the planes; by default along the force, else along the bending.
     """
     size, turn = np.hypot(*force.T), np.hypot(*bending.T)
-    least = np.stack([0.0 * size, ROUNDING * turn], axis=1) if least is None else least
+    least = np.stack([0.01 * ROUNDING * turn, ROUNDING * turn], axis=1) if least is None else least
     if plane is None:
         lead = np.where(
             (size > least[:, 0])[:, None], force, np.where((turn > least[:, 1])[:, None], bending, [1.0, 0])

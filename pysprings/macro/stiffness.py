@@ -199,6 +199,14 @@ def axisymmetric(plane: Array, across: Array | None = None, torsion: float = 0.0
     return matrix
 
 
+def turned(matrix: xr.DataArray, direction: float) -> xr.DataArray:
+    """Return a (6, 6) matrix with x along a load in axes from which that load stands at a direction [rad]."""
+    turn, c, s = np.eye(6), np.cos(direction), np.sin(direction)
+    for i, j in ((0, 1), (3, 4)):
+        turn[np.ix_([i, j], [i, j])] = [[c, -s], [s, c]]
+    return matrix.copy(data=turn @ matrix.values @ turn.T)
+
+
 def form_words(form: Form) -> str:
     """Return words for the reference point of a form."""
     depth = form.get("reference_depth", 0.0)

@@ -19,13 +19,12 @@ from pysprings.core.errors import refused
 from pysprings.core.words import RANGE_END
 from pysprings.macro.response import list_of, other_load
 from pysprings.macro.vertical import FLAT, Branch, VerticalTable
-from pysprings.springs.path import NO_LOAD, SpringPath, same_loads
+from pysprings.springs.path import SpringPath, close_loads, same_load, same_loads
 from pysprings.springs.path_ends import LIMIT_LOAD
 
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
 
-CLOSE = 0.1  # of V: loads on a bucket in sand change by 0.9 to 1.4 % where V differs by so much
 Array = NDArray[np.float64]
 
 # A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
@@ -67,16 +66,17 @@ def vertical_answer(
     if imposed is None:
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
-    other = np.abs(down - V) > np.maximum(CLOSE * np.maximum(np.abs(down), np.abs(V)), NO_LOAD)
+    other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
+    far = ~close_loads(down, V)
     follows = response.follows(down)
-    moved = response.lacks(down, other) & (states != 0.0).any(axis=1)
+    moved = response.lacks(down, far) & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
         notes = [other_load(model.origin, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
         notes = [note if follows and not moved.any() else f"{note}, lateral springs unchanged" for note in notes]
         past, beyond = past_elastic(model, down, other)
-        lacking = moved if follows else other | moved
+        lacking = moved if follows else far | moved
         return Down(
             marks | {"w": w + (down - V) / K, "off_load": lacking.astype(np.int8)},
             used=np.where(past, np.inf, 0.0),

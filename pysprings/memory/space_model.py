@@ -25,7 +25,7 @@ from pysprings.memory.calibration import ElementSet, SpaceElements
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
 from pysprings.memory.offered import Offered, elastic_motions
 from pysprings.memory.shares import loads_of
-from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, same_loads
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, close_loads
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -204,7 +204,7 @@ class SpaceSprings:
         values["torsion_apart"] = apart.astype(np.int8)
         warnings = [APART.format(apart.sum(), n)] if apart.any() else []
         if V is not None:
-            off = ~same_loads(V[:n], self.V)
+            off = ~close_loads(V[:n], self.V)
             values |= {"V": V[:n], "off_load": off.astype(np.int8)}
             warnings += [f"{off.sum()} of {n} states are under another V than {self.V:.7g} N"] if off.any() else []
         if time is not None:

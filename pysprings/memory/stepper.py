@@ -15,7 +15,7 @@ from pysprings.memory.mixture import ChangingLoad, Step
 from pysprings.memory.model import MemorySprings, off_rate
 from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
-from pysprings.springs.path import same_load
+from pysprings.springs.path import close_loads
 
 Array = NDArray[np.float64]
 
@@ -243,4 +243,4 @@ def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, b
 
 def off_load(own: float, V: float | None) -> bool | None:
     """Return whether V [N] is another than that of the elements; None where one of them is not known."""
-    return None if V is None or not np.isfinite(own) else not same_load(own, V)
+    return None if V is None or not np.isfinite(own) else not bool(close_loads(own, V))

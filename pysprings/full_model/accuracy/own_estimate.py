@@ -44,7 +44,7 @@ LONGEST, AT_LEAST = (
     5.0,
     300.0,
 )  # wall time of the runs beside over that of the run itself, and that they have always [s]
-TOO_LONG = f"it took more than {LONGEST:g} times the run itself"
+TOO_LONG = f"it took more than {LONGEST:g} times the run itself, and 5 minutes"
 
 
 @dataclass
@@ -58,7 +58,7 @@ class Companions:
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
     checkpoints : of the run that they stand beside.
-    until : when they are given up [s], of `time.monotonic`; late : whether they were.
+    until : when they are given up [s], of `time.monotonic`; late : whether that is over.
     """
 
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
@@ -70,7 +70,6 @@ class Companions:
     clock: Clock = field(default_factory=Clock)
     checkpoints: Checkpoints | None = None
     until: float = math.inf
-    late: bool = False
 
     def count_elsewhere(self, seconds: float) -> None:
         """Add CPU seconds of worker processes, and of earlier parts of a run that goes on."""
@@ -90,11 +89,9 @@ class Companions:
         """Return the reason of a stop, or that it was for its time."""
         return TOO_LONG if self.late else reason
 
-    def go_on(self) -> None:
-        """Stop what runs, as Ctrl-C does, where its time is over: checkpoints have what it did."""
-        if time.monotonic() > self.until:
-            self.late = True
-            raise KeyboardInterrupt
+    @property
+    def late(self) -> bool:
+        return time.monotonic() > self.until
 
 
 def estimates_by_default(scene: Scene) -> bool:
@@ -159,7 +156,8 @@ def _run(
     beside = "" if key is None else f", {key} harmonics"
 
     def report(at: str, share: float, text: str) -> None:
-        companions.go_on()
+        if companions.late:
+            raise KeyboardInterrupt  # as Ctrl-C: checkpoints have what it did
         if progress is not None:
             progress(f"coarser mesh{beside}, {at}", share, text)
 
@@ -229,7 +227,7 @@ def add_estimate(scene: Scene, result: Computed, companions: Companions) -> Comp
 
 def _estimated(scene: Scene, result: Computed, companions: Companions) -> Computed:
     n, record = result.record.mesh.harmonics, result.record
-    if n not in companions.trees:
+    if n not in companions.trees or (n is not None and companions.again):  # the share of the harmonics belongs to it
         record.error_estimate = two_mesh.missing(
             companions.why_not or "no run on the coarser mesh has its number of harmonics"
         )

@@ -5,7 +5,7 @@ The families are those of the PISA project (Byrne et al. 2020) for a rigid caiss
 Force and moment of p about the lid, and the sum of m, are those of the recorded states on any depths. Each curve grows
 with its displacement: what falls or pulls along is cut to the largest curve below it that does not, and the family is
 scaled down where its sum would be above the recorded one. The table states the error of a rigid beam on its straight
-lines on every path of the full model, and that of a beam on p(y) alone.
+lines on the paths held back, and that of a beam on p(y) alone.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the sli
 
 
 def depths_of(text: str, length: float) -> Array:
-    """Return depths (n,) [m] of a list such as "0.5, 1.5, 2.5 m"; the last unit holds for numbers without one.
+    """Return depths (n,) [m] of a list such as "0.5, 1.5, 2.5 m"; a number without a unit has that of the next one.
 
     Raises UserInputError, all faults at once, for fewer than two depths, depths outside the skirt, or not in order.
     """
@@ -57,12 +57,13 @@ def depths_of(text: str, length: float) -> Array:
     from pysprings.core.units import QuantityError, read
 
     parts = [part.strip() for part in text.split(",")]
-    known = [found[1] for part in parts if (found := re.fullmatch(r"[-+.\deE]+ *([^-+.\d\s].*)", part))]
-    unit = known[-1] if known else ""
+    for k in range(len(parts) - 2, -1, -1):
+        if re.fullmatch(r"[-+.\deE]+", parts[k]) and (found := re.fullmatch(r"[-+.\deE]+ *(\D+)", parts[k + 1])):
+            parts[k] += f" {found[1]}"
     values, problems = [], []
     for part in parts:
         try:
-            depth = float(read(part if re.search(r"[^-+.\deE]$", part) else f"{part} {unit}".strip(), "m", "0.5 m"))
+            depth = float(read(part, "m", "0.5 m"))
         except QuantityError as error:
             problems.append(Problem(key="--depths", message=str(error)))
             continue
@@ -186,7 +187,8 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
         *errors_by_role(springs, with_tables(made, tables), "all curves of this table beside the full model"),
     ]
     lines = [line for line in errors if HELD_BACK in line] or errors
-    head = [*lines, *corrected, BETWEEN, *header(source, "curves for beam programs", FRAME, UNITS)]
+    at = [] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]
+    head = [*lines, *at, *corrected, BETWEEN, *header(source, "curves for beam programs", FRAME, UNITS)]
     points = [(each.spring.name, each.spring.depth, *each.within()) for each in tables]
     points += [(row.name, row.depth, row.q[[0, -1]], row.r[[0, -1]]) for row in found if not row.r.any()]
     return head, _frame(points, bounds)

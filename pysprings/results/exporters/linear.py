@@ -75,7 +75,7 @@ def linear(springs: Springs, options: Options) -> Linear:
     """
     if not options["at"]:
         return Linear(at_lid(springs), "stiffness at rest", [AT_REST, *secants(springs), *linear_errors(springs)])
-    at = place_of(springs, options["at"])
+    at, springs = place_of(springs, options["at"])
     question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
     with warnings.catch_warnings(record=True) as marks:
         warnings.simplefilter("always", MacroWarning)
@@ -87,31 +87,33 @@ def linear(springs: Springs, options: Options) -> Linear:
     return Linear(matrix, name, [words, *notes, *secants(springs), *linear_errors(springs, lateral)])
 
 
-def place_of(springs: Springs, text: str) -> Load:
-    """Return the load of a text such as "H=2 MN, arm=60 m" (H, M, V, arm), or the motion of "50 % of pull_1_D" (SI).
+def place_of(springs: Springs, text: str) -> tuple[Load, Springs]:
+    """Return the load of "H=2 MN, arm=60 m" (H, M, V, arm), or the motion of "50 % of pull_1_D" (SI), and its springs.
 
     Raises UserInputError, all faults at once.
     """
-    if level := re.fullmatch(r"([\d.]+) ?% of (\w+)", text.strip()):
+    if level := re.fullmatch(r"(\d+(?:\.\d*)?) ?% of (\w+)", text.strip()):
         path, share = springs.path(level[2]), 0.01 * float(level[1])
         motion = np.stack([path.u, path.rotation])
         if path.is_vertical or not 0.0 < share <= 1.0:
             raise refused("--option at", f"'{text}' is not above 0 and up to 100 % of the range of a lateral path")
         (step,) = _steps(motion, springs.length, (share,))
-        return {"u": float(motion[0, step]), "rotation": float(motion[1, step])}
+        return {"u": float(motion[0, step]), "rotation": float(motion[1, step])}, springs.answering(path)
     found, problems = Load(), []
     for part in text.split(","):
         name, sign, value = (each.strip() for each in part.partition("="))
         if not sign or name not in LOADS:
             problems.append(f"'{part.strip()}' is not one of {', '.join(f'{each}=VALUE' for each in LOADS)}")
             continue
+        if name in found:
+            problems.append(f"{name} is given twice")
         try:
             found |= {name: float(read(value, *LOADS[name]))}  # type: ignore[misc]
         except QuantityError as error:
             problems.append(f"{name}: {error}")
     if problems:
         raise UserInputError([Problem(key="--option at", message=each) for each in problems])
-    return found
+    return found, springs
 
 
 def secants(springs: Springs) -> list[str]:

@@ -245,8 +245,26 @@ def test_a_coarser_run_beyond_its_time_is_given_up_and_named() -> None:
     assert companions_of(scene, compute, until=time.monotonic() + 60.0).why_not == ""
     late = companions_of(scene, compute, until=time.monotonic() - 1.0)
     with_estimate(scene, done, late, breaks)
-    assert done.record.not_made == {"error estimate": "it took more than 5 times the run itself"}
+    assert done.record.not_made == {"error estimate": "it took more than 5 times the run itself, and 5 minutes"}
     assert "--resume" in done.record.left_to_make
+
+
+def test_an_estimate_waits_for_its_share_of_the_harmonics() -> None:
+    """Time is over in the run with two more: an estimate without it would be too small, and a target met wrongly."""
+    ends: list[float] = []
+
+    def compute(scene: Scene, progress: Any, **_: Any) -> Computed:
+        if ends:
+            time.sleep(max(ends[0] - time.monotonic(), 0.0) + 0.01)
+        ends.append(time.monotonic() + 0.2)
+        progress("pull", 0.5, "")
+        return finished(with_error(300 * (scene.mesh.harmonics + 1), harmonics=scene.mesh.harmonics))
+
+    scene, done = tiny.sand(mesh={"discretisation": "fourier"}), finished(with_error(9000, harmonics=3))
+    companions = companions_of(scene, compute, until=time.monotonic() + 0.1)
+    assert companions.trees and not companions.richer
+    with_estimate(scene, done, companions, breaks)
+    assert done.record.error_estimate["estimate_pct"] == {} and "5 times" in done.record.error_estimate["why_not"]
 
 
 @pytest.mark.parametrize(

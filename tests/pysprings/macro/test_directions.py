@@ -10,6 +10,8 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.core.variables import TORSION
 from pysprings.macro.batch import predict_batch
+from pysprings.macro.directions import in_plane
+from pysprings.macro.stiffness import stiffness_six, turned
 from pysprings.springs.checks import save_springs
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
@@ -80,3 +82,22 @@ def test_the_command(tmp_path: Path):
     ):
         done = command("predict", file, *asked)
         assert done.code == 2 and text in done.err
+
+
+def test_a_force_of_rounding_does_not_choose_the_plane():
+    """H cos 90 deg of a load in y is 6e-11 N: the moment about x bends in the plane of y, with nothing across."""
+    found = in_plane(np.array([[6e-11, 0.0]]), np.array([[0.0, 4e5]]))
+    assert found.across[0] == 0.0 and found.M[0] == pytest.approx(4e5)
+
+
+def test_a_matrix_turns_with_its_load():
+    """K of a load in y: what holds along it stands at u_y."""
+    springs = fan_springs(potential)
+    along = stiffness_six(springs, H=2e5, arm=5.0)
+    turned_ = turned(along, 0.5 * np.pi)
+    np.testing.assert_allclose(turned_.values[1, 1], along.values[0, 0])
+    np.testing.assert_allclose(turned_.values[1, 3], -along.values[0, 4])
+    motion, c, s = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), np.cos(0.3), np.sin(0.3)
+    own = [c * motion[0] + s * motion[1], c * motion[1] - s * motion[0], 3.0,
+           c * motion[3] + s * motion[4], c * motion[4] - s * motion[3], 6.0]  # fmt: skip
+    assert motion @ turned(along, 0.3).values @ motion == pytest.approx(np.array(own) @ along.values @ np.array(own))

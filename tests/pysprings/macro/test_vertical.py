@@ -471,3 +471,20 @@ def test_what_is_carried_beyond_cavitation_is_no_capacity():
     w = [float(predict(each, V=0.99 * last)["w"]) for each in (wet, whole)]
     assert w[0] == pytest.approx(w[1], rel=1e-3)
     assert "cavitation_margin" not in Springs.of(wet).path("up").dataset  # springs at two V or rates are blended
+
+
+def test_a_load_within_a_tenth_is_that_of_the_springs_and_a_limit_load_holds_there_too():
+    """Marks begin at 10 %; what the full model did not carry at V is refused at 1.05 V."""
+    tree = vertical_springs()
+    for share, marked in ((1.09, 0), (0.91, 0), (1.12, 1), (0.88, 1)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MacroWarning)
+            found = way_to_motion(tree, u=2e-3, rotation=0.0, V=share * REST, extrapolate=True)
+        assert found["off_load"].values[-1] == marked, share
+    path = tree["paths/slide"]
+    path.attrs |= {"end": "limit load", "end_reason": "limit load", "status": "limit load"}
+    H = 1.2 * float(path["H"][-1])
+    M = float(path["M"][-1]) / float(path["H"][-1]) * H
+    for V in (REST, 1.05 * REST):
+        with pytest.raises(BeyondSprings, match="limit load"):
+            predict(tree, H=H, M=M, V=V, extrapolate=True)

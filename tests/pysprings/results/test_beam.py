@@ -19,6 +19,7 @@ from pysprings.results.exporters.base import Source
 from pysprings.springs.springs import Springs
 from tests.support.commands import command
 from tests.support.synthetic import Path, make_springs
+from tests.support.vertical import vertical_springs
 
 PATHS = (
     Path("across", "translation"),
@@ -106,6 +107,21 @@ def test_curves_that_fall_or_pull_along_are_cut_and_their_sum_is_never_above() -
     np.testing.assert_allclose(beam.on_safe_side(given[2:], weight[2:]), given[2:])
 
 
+def test_what_is_corrected_and_the_vertical_load_stand_in_the_head() -> None:
+    """m of the rotation falls: the sum of its family is lower by what the line states, and never above."""
+    rows, _, corrected = beam.rows_of(Springs.of(make_springs(PATHS)), None)
+    (line,) = corrected
+    assert re.match(
+        r"corrected on the safe side, sum of the moments of the rotation lower by [\d.]+ % at most: m at", line
+    )
+    assert all((np.diff(row.r) >= 0.0).all() for row in rows) and f"# {line}" in text()
+    heavy = exporters.text(vertical_springs(heavier=(6e6,)), "beam", V=6e6)
+    light = exporters.text(vertical_springs(heavier=(6e6,)), "beam")
+    assert "# lateral springs at V = 6000 kN" in heavy and "# lateral springs at V" not in light
+    p = [pd.read_csv(io.StringIO(each), comment="#")["p_N_per_m"].max() for each in (light, heavy)]
+    assert p[1] == pytest.approx(3.0 * p[0], rel=0.02)
+
+
 def test_the_table_answers_as_springs_of_a_user(tmp_path: File) -> None:
     """`predict` on the table: its equilibrium holds on the straight lines within the curvature between points."""
     file = tmp_path / "beam.csv"
@@ -149,6 +165,7 @@ def test_too_few_points_are_refused() -> None:
 
 def test_depths_with_units_of_their_own() -> None:
     np.testing.assert_allclose(beam.depths_of("50 cm, 1.5, 2 m", 4.0), [0.5, 1.5, 2.0])
+    np.testing.assert_allclose(beam.depths_of("0.5, 1.0 m, 150 cm", 4.0), [0.5, 1.0, 1.5])
 
 
 def test_springs_without_pure_paths_are_refused() -> None:

@@ -405,3 +405,12 @@ def test_places_of_a_matrix_that_are_refused(source: Source, tmp_path: Path) -> 
         at = text.format(Springs.of(source.springs).path().name)
         with pytest.raises(UserInputError, match=f"(?s){words}"):
             export(source, "subdyn", tmp_path, at=at)
+
+
+def test_a_share_of_a_path_at_another_vertical_load_has_the_springs_of_that_load(tmp_path: Path) -> None:
+    springs = vertical_springs(heavier=(6e6,))
+    path = Springs.of(springs).paths["slide_6"]
+    export(springs, "subdyn", tmp_path, at="100 % of slide_6")
+    K = matrix_of(read_ssi(tmp_path / "subdyn_ssi.dat"), "k")[np.ix_([0, 4], [0, 4])]
+    loads = np.array([path["H"][-1], path["M"][-1]])
+    np.testing.assert_allclose(K @ [path.u[-1], path.rotation[-1]], loads, atol=2e-2 * np.abs(loads).max())
