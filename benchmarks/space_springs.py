@@ -157,7 +157,7 @@ def main() -> None:
                 f"{least_work(model):.2g}",
             )
         )
-        print(to_csv(errors + sets))
+    print(to_csv(errors + sets))
     if given.store:
         store("space-springs", {"space-springs": to_csv(errors), "space-springs-sets": to_csv(sets)}, COMMAND)
 

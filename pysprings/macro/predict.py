@@ -40,7 +40,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.arguments import check_arrays, check_numbers
+from pysprings.core.arguments import check_arrays, check_numbers, check_rows
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Care, MacroWarning, PredictionNotConverged, raise_or_warn, trace
 from pysprings.macro.capacity import with_capacity
@@ -213,12 +213,9 @@ def sequence(
     rows = np.asarray(targets, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
         raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")
+    check_rows(len(rows), V, time)
     down = None if V is None else np.asarray(V, dtype=float)
-    if down is not None and down.shape not in ((), (len(rows),)):
-        raise refused("V", f"give one number, or one a row of targets ({len(rows)}), not the shape {down.shape}")
     first = None if down is None else float(down.ravel()[0])
-    if time is not None and (np.shape(time) != (len(rows),) or np.any(np.diff(time, prepend=0.0) <= 0.0)):
-        raise refused("time", f"give one number a row of targets ({len(rows)}), growing from 0 s")
     care, choice = _parts(asking)
     model = model_of(springs, V=first, **choice)
     at = None if time is None else np.asarray(time, dtype=float)

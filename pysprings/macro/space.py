@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.arguments import check_arrays
+from pysprings.core.arguments import check_arrays, check_rows
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Care, raise_or_warn
@@ -82,6 +82,7 @@ def sequence_in_space(
     """
     check_arrays(targets=targets, V=V, time=time)
     rows = np.asarray(targets, dtype=float)
+    check_rows(len(rows), V, time)
     down = None if V is None else np.broadcast_to(np.asarray(V, dtype=float), len(rows)).copy()
     answer = response_in_space(springs, springs_kind).answer(control, rows, down, time)
     return raise_or_warn(answer, **care)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import BeyondSprings, Problem, refused
+from pysprings.core.units import quoted
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.ways import RANGE_SLACK
@@ -124,12 +125,9 @@ class SpaceSprings:
 
         Returns motions and loads (k, 5) of the steps reached, and a message on where it ended when k < n.
         """
-        check_arrays(targets=targets)
-        rows = np.asarray(targets, dtype=float)
-        if rows.ndim != 2 or rows.shape[1] != SPACE or not len(rows):
-            raise refused("targets", f"must have the shape (n, {SPACE}), not {rows.shape}")
-        if not self.has_torsion and rows[:, 4].any():
-            raise refused("targets", "the springs have no twist among their paths: they carry no torsion")
+        rows = self.checked(targets)
+        if control not in ("load", "state"):
+            raise refused("control", f"expected 'load' or 'state', not {quoted(str(control))}")
         aims = self.loads_of(rows) if control == "load" else self.motions_of(rows)
         way = np.concatenate([np.zeros((1, SPACE)), aims])
         motions, loads = np.zeros(way.shape), np.zeros(way.shape)
@@ -138,6 +136,16 @@ class SpaceSprings:
         n, _ = follow(self.elements.rows, drive, self.largest, rest, states, way, motions, loads)
         message = "" if n == len(way) else f"macro-model: no equilibrium on the way to row {n} of the sequence"
         return self.turns_of(motions[1:n]), self.pushes_of(loads[1:n]), message
+
+    def checked(self, targets: Array) -> Array:
+        """Return targets (n, 5) as they are; refuse other shapes, what is not finite, and torsion without elements."""
+        check_arrays(targets=targets)
+        rows = np.asarray(targets, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != SPACE or not len(rows):
+            raise refused("targets", f"must have the shape (n, {SPACE}), not {rows.shape}")
+        if not self.has_torsion and rows[:, 4].any():
+            raise refused("targets", "the springs have no twist among their paths: they carry no torsion")
+        return rows
 
     def drive(self, control: SpaceControl) -> Drive:
         """Return the equations of a control in motions and loads of elements.
@@ -256,7 +264,7 @@ class SpaceStepper:
             raise refused("motion", "give a motion or a load")
         model, drive = self.model, self.model.drive("load" if motion is None else "state")
         aim, start = (load, self.load) if motion is None else (motion, self.motion)
-        way = np.stack([start, np.asarray(aim, dtype=float)])
+        way = np.stack([start, model.checked(np.asarray(aim)[None])[0]])
         way = model.loads_of(way) if motion is None else model.motions_of(way)
         state, at = self.state.copy(), model.motions_of(self.motion[None])[0]
         found, carried = np.zeros(way.shape), np.zeros(way.shape)

@@ -64,8 +64,8 @@ def _without_mesh(result: xr.DataTree, path: SpacePath) -> xr.Dataset:
         return found
     moved = np.hypot(found["u_x"], found["u_y"])
     both = [each[pure[0]] for each in (own, better)]
-    mesh, known = (np.interp(moved, each.u, np.hypot(each["H"], each["M"] / path.length)) for each in both)
-    factor = xr.DataArray(np.where(mesh > 0.0, known / np.where(mesh > 0.0, mesh, 1.0), 1.0), dims="step")
+    mesh, known = (np.hypot(each["H"], each["M"] / path.length)[1:] for each in both)  # not at rest
+    factor = xr.DataArray(np.interp(moved, both[0].u[1:], known / mesh), dims="step")
     lateral = ("H_x", "H_y", "M_x", "M_y", "p_x", "p_y")
     changed = found.assign({name: (found[name] * factor).transpose(*found[name].dims) for name in lateral})
     return variables.attach(changed, "space_path")

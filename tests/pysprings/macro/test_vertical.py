@@ -32,6 +32,7 @@ from pysprings.macro.vertical_answer import largest_vertical
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import paths_of
+from pysprings.springs.path_ends import NUMBERS
 from pysprings.springs.springs import Springs
 from tests.support import tiny, written
 from tests.support.commands import command
@@ -482,9 +483,10 @@ def test_a_load_within_a_tenth_is_that_of_the_springs_and_a_limit_load_holds_the
             found = way_to_motion(tree, u=2e-3, rotation=0.0, V=share * REST, extrapolate=True)
         assert found["off_load"].values[-1] == marked, share
     path = tree["paths/slide"]
+    step = path.sizes["step"] // 3
     path.attrs |= {"end": "limit load", "end_reason": "limit load", "status": "limit load"}
-    H = 1.2 * float(path["H"][-1])
-    M = float(path["M"][-1]) / float(path["H"][-1]) * H
+    path.attrs |= {key: float(path[name][step]) for name, key in NUMBERS.items()}
+    H, M = (1.2 * float(path[name][step]) for name in ("H", "M"))  # the springs go on beyond
     for V in (REST, 1.05 * REST):
         with pytest.raises(BeyondSprings, match="limit load"):
             predict(tree, H=H, M=M, V=V, extrapolate=True)

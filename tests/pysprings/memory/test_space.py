@@ -5,6 +5,7 @@ import itertools
 import json
 import warnings
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -363,5 +364,39 @@ def test_lateral_loads_out_of_the_plane_are_extrapolated_as_those_of_a_translati
     reactions = ["p", "p_component", "m", "H", "M", "H_tip", "M_tip", "H_lid", "M_lid"]
     groups |= {f"{name}/extrapolated": 1.1 * groups[name][reactions] for name in rays}
     found = extract_springs(xr.DataTree.from_dict(groups, name=tree.name))["space/circle"]
-    for name, factor in {"H_x": 1.1, "H_y": 1.1, "M_x": 1.1, "M_y": 1.1, "T": 1.0, "u_x": 1.0, "V": 1.0}.items():
+    for name, factor in {
+        "H_x": 1.1,
+        "H_y": 1.1,
+        "M_x": 1.1,
+        "M_y": 1.1,
+        "p_x": 1.1,
+        "p_y": 1.1,
+        "T": 1.0,
+        "u_x": 1.0,
+        "V": 1.0,
+    }.items():
         np.testing.assert_allclose(found[name], factor * tree["space/circle"][name], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"control": "motion"}, "control: expected 'load' or 'state'"),
+        ({"control": "state", "V": [1.0, 2.0]}, "V: give one number, or one a row"),
+        ({"control": "state", "time": [1.0, 0.5, 2.0]}, "time: .* growing from 0 s"),
+    ],
+)
+def test_sequences_in_space_that_are_refused(given: dict[str, Any], words: str) -> None:
+    rows = 1e-3 * np.array([[1.0, 0, 0, 0, 0], [2.0, 0, 0, 0, 0], [3.0, 0, 0, 0, 0]])
+    with pytest.raises(UserInputError, match=words):
+        sequence_in_space(calibrated(), rows, **given)
+
+
+def test_a_stepper_takes_no_torque_for_a_motion() -> None:
+    """Without a twist among the paths its fifth equation is a motion."""
+    stepper = SpaceStepper(SpaceSprings.of(Springs.of(calibrated(twisted=False))))
+    for step in ({"load": [1e5, 0.0, 0.0, 0.0, 2e5]}, {"motion": [1e-3, 0.0, 0.0, 0.0, 1e-3]}):
+        with pytest.raises(UserInputError, match="they carry no torsion"):
+            stepper.advance(**step)
+    with pytest.raises(UserInputError, match="must have the shape"):
+        stepper.advance(load=[1e5, 0.0])
