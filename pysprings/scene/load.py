@@ -140,6 +140,8 @@ class SceneText:
         if not data:
             _refuse(self.file, "the file is empty; `pysprings init` writes a commented scene")
         folder = FilePath(self.file).parent if self.file else FilePath()
+        if self.has_ranges and not any(ranges_in(data)) and isinstance(data.get("soil"), dict):
+            data["soil"].pop("estimate", None)  # changes have taken the place of all ranges
         from_files, problems = read_files(data.get("soil"), folder)
         in_tables = [*self._in_table, *problems]
         estimates, wrong = take_estimate(data, Scene.model_fields["title"].default)

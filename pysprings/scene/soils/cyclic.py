@@ -22,6 +22,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -73,27 +74,43 @@ class Cyclic:
     parcels: Rows | None = None
     utilisation: float | None = None
 
-    @cached_property
+    @property
     def number(self) -> float:
-        """N, given or of the parcels.
+        """N, given or of the parcels."""
+        return self._counted[0]
+
+    @property
+    def left_out(self) -> float:
+        """Cycles of parcels that stay below the first strain of the contours: N does not count them."""
+        return self._counted[1]
+
+    @cached_property
+    def _counted(self) -> tuple[float, float]:
+        """N, and the cycles of parcels that do not count.
 
         Raises
         ------
         ValueError
-            Parcels that leave the contours.
+            Parcels that leave the contours, that do not reach them, or without the largest load.
         """
         if self.parcels is None or self.utilisation is None:
-            return float(self.cycles or 0.0)
-        strain, number, most = 0.0, 0.0, max(row[0] for row in self.contours)
+            return float(self.cycles or 0.0), 0.0
+        if self.utilisation <= self.average or max(share for _, share in self.parcels) != 1.0:
+            raise ValueError("parcels: utilisation must be above average, and the largest load/largest 1")
+        strain, number, left, most = 0.0, 0.0, 0.0, max(row[0] for row in self.contours)
         for cycles, share in sorted(self.parcels, key=lambda parcel: parcel[1]):
             stress = self.average + share * (self.utilisation - self.average)
             if self._strain(most, stress) == 0.0:
+                left += cycles
                 continue
             number = self._begins(strain, stress) + cycles
-            strain = max(strain, self._strain(number, stress))
+            own = self._strain(number, stress)
+            left, strain = left + (cycles if own == 0.0 else 0.0), max(strain, own)
             if strain == math.inf:
                 raise ValueError(f"parcels: tau/su {stress:.3g} after {number:.4g} cycles is beyond the last contour")
-        return number
+        if strain == 0.0:
+            raise ValueError("parcels: none reaches the first strain of the contours")
+        return number, left
 
     def _strain(self, number: float, stress: float) -> float:
         """Return the strain of a stress after a number of cycles; 0 below the first contour, inf beyond the last."""
@@ -103,10 +120,10 @@ class Cyclic:
         return float(np.exp(np.interp(stress, tau, np.log(strain))))
 
     def _begins(self, strain: float, stress: float) -> float:
-        """Return the number of cycles of a stress that has a strain; 0 where the first one has more."""
+        """Return the number of cycles of a stress that has a strain; before the first N in proportion."""
         low, high = (extreme(row[0] for row in self.contours) for extreme in (min, max))
-        if self._strain(low, stress) >= strain:
-            return 0.0
+        if (first := self._strain(low, stress)) >= strain:
+            return low * strain / first if first else 0.0
         for _ in range(60):
             middle = math.sqrt(low * high)
             low, high = (middle, high) if self._strain(middle, stress) < strain else (low, middle)
@@ -144,7 +161,8 @@ class Cyclic:
     @property
     def text(self) -> str:
         """What titles and heads of files have."""
-        return f"cyclic: {self.name}, N {self.number:.4g}, tau_a/su {self.average:g}"
+        left = f", {self.left_out:g} cycles below the contours left out" if self.left_out else ""
+        return f"cyclic: {self.name}, N {self.number:.4g}, tau_a/su {self.average:g}{left}"
 
 
 def _around(levels: Array, value: float, key: str, scale: Any, where: str = "") -> Iterator[tuple[float, float]]:
@@ -174,9 +192,22 @@ def _curve(rows: Array) -> tuple[Array, Array]:
     return strain, stress
 
 
+def _refuse_growth(rows: Array) -> None:
+    """Raise ValueError where, at one strain and tau_a/su, the stress of more cycles is larger."""
+    for average in np.unique(rows[:, 1]):
+        own = rows[rows[:, 1] == average]
+        curves = [(number, *_curve(own[own[:, 0] == number])) for number in np.unique(own[:, 0])]
+        for (few, x, fewer), (many, own_x, more) in pairwise(curves):
+            both = x[(x >= own_x[0]) & (x <= own_x[-1])]
+            if (np.interp(both, own_x, more) > (1.0 + _ROUND) * np.interp(both, x, fewer)).any():
+                raise ValueError(f"contours of N {many:g} are above those of N {few:g} (tau_a/su {average:g})")
+
+
 def _bent(strain: Array, stress: Array) -> Pairs:
     """Return the points of a curve that bends downwards, at most `MOST_STRAINS`: the others change it least."""
     points = list(zip(strain.tolist(), stress.tolist(), strict=True))
+    if _above((0.0, 0.0), *points[:2]) <= 0.0:  # the law would have no stiffness that falls
+        raise ValueError("the backbone of the contours does not bend downwards at its first strain")
     while len(points) > 2:
         rises = [_above(*points[k - 1 : k + 2]) for k in range(1, len(points) - 1)]
         if min(rises) < -_ROUND:
@@ -217,6 +248,7 @@ class CyclicTable(Field):
         if not wrong:
             cyclic = Cyclic(**read)
             try:
+                _refuse_growth(np.array(cyclic.contours))
                 return cyclic if cyclic.curve else None
             except ValueError as error:
                 wrong = [str(error)]
@@ -300,6 +332,6 @@ def read_files(soil: Any, folder: Path) -> tuple[bool, list[Problem]]:
 
 def titled(title: str, found: Sequence[Cyclic]) -> str:
     """Return a title that names the contours of a scene, N and tau_a/su, in place of those that it names."""
-    plain, texts = re.sub(r" \(cyclic: [^)]*\)", "", title), dict.fromkeys(each.text for each in found)
+    plain, texts = re.sub(r" \(cyclic: .*\)$", "", title), dict.fromkeys(each.text for each in found)
     mark = f" ({'; '.join(texts)[:150]})"
     return plain[: 200 - len(mark)] + mark if texts else plain

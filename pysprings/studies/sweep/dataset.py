@@ -80,9 +80,12 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
 def _bars(data: xr.Dataset, values: xr.DataArray) -> tuple[float, list[tuple[str, float, float]]] | None:
     """Return the answer with all ranges at best, and name, low and high of each; None where no case has all at best."""
     names = str(data.attrs["axes"]).split(", ")
+    if "case" not in values.dims:
+        return None
     words, answers = np.array([data[name].values for name in names], dtype=str), values.values.reshape(-1)
+    answers = np.where(data["status"].values == "complete", answers, np.nan)
     others = words != "best"
-    if "case" not in values.dims or not set(words.flat) <= {*ESTIMATES} or not (~others).all(axis=0).any():
+    if not set(words.flat) <= {*ESTIMATES} or not (~others).all(axis=0).any():
         return None
 
     def at(k: int, word: str) -> float:
@@ -97,7 +100,10 @@ def _tornado(data: xr.Dataset, label: str, best: float, rows: list[tuple[str, fl
     """Draw a bar from the answer at low to that at high for each range, the longest on top."""
     from pysprings.results.plots.style import BLUE, GREEN, INK, new_figure, plain
 
-    rows = sorted(rows, key=lambda row: np.nan_to_num(abs(row[2] - row[1])))
+    rows = [
+        (f"{name}{' (an end has no answer)' if np.isnan(low + high) else ''}", low, high) for name, low, high in rows
+    ]
+    rows = sorted(rows, key=lambda row: np.nan_to_num(abs(row[2] - row[1]), nan=np.inf))
     figure = new_figure(7.2, 1.4 + 0.32 * len(rows))
     plot = figure.add_subplot()
     for colour, end in ((BLUE, 1), (GREEN, 2)):

@@ -143,7 +143,7 @@ STORM = 'parcels = "storm.csv", utilisation = 0.8'
     ("parcels", "number"),
     [
         ("3,1", 3.0), ("10,0.875\n3,1", 4.0), ("3,1\n10,0.875\n50,0.5", 4.0), ("40,0.875\n20,0.75\n2,1", 6.2),
-        ("1,0.875\n1,1", 1.0),
+        ("1,0.875\n1,1", 1.1), ("1,1\n1,1", 2.0), ("\n".join(["1,1"] * 5), 5.0),
     ],
 )  # fmt: skip
 def test_the_number_of_cycles_of_a_storm_accumulates_strain(tmp_path, parcels, number) -> None:
@@ -155,6 +155,45 @@ def test_the_number_of_cycles_of_a_storm_accumulates_strain(tmp_path, parcels, n
     given = scene(tmp_path, ("cycles = 10", STORM), MINER, SCENE.replace("600", "900"))
     assert given.ground.strata[0].tables["cyclic"].number == pytest.approx(number, rel=1e-6)
     assert parse_scene(given.source_text) == given and f"N {number:.4g}" in given.title
+
+
+def test_cycles_that_do_not_count_are_stated_and_what_is_no_storm_is_refused(tmp_path) -> None:
+    (tmp_path / "storm.csv").write_text("N,load/largest\n500,0.5\n3,1\n")
+    given = scene(tmp_path, ("cycles = 10", STORM), MINER, SCENE.replace("600", "900"))
+    assert given.ground.strata[0].tables["cyclic"].left_out == 500.0
+    assert "N 3, tau_a/su 0, 500 cycles below the contours left out)" in given.title
+    for table, other, words in (
+        ("500,0.5\n3,0.6", STORM, "the largest load/largest 1"),
+        ("3,1", STORM.replace("0.8", "0.1") + ", average = 0.1", "utilisation must be above average"),
+        ("3,1", STORM.replace("0.8", "0.3"), "none reaches the first strain"),
+    ):
+        (tmp_path / "storm.csv").write_text(f"N,load/largest\n{table}\n")
+        with pytest.raises(UserInputError, match=words):
+            scene(tmp_path, ("cycles = 10", other), MINER, SCENE.replace("600", "900"))
+
+
+def test_a_storm_from_contours_that_begin_late_is_that_from_all(tmp_path) -> None:
+    """Strain grows in proportion to N here: contours from N = 10 give what those from N = 1 do."""
+    (tmp_path / "storm.csv").write_text("N,load/largest\n80,0.857142857\n12,1\n")
+    rows = [line for line in MINER.splitlines() if not line.startswith("1,")]
+    rows += [f"10,{0.7 + 0.1 * np.log10(g)},{g}" for g in (0.1, 1.0, 10.0)]
+    for table in (MINER, "\n".join(rows)):
+        given = scene(tmp_path, ("cycles = 10", STORM.replace("0.8", "0.7")), table, SCENE.replace("600", "900"))
+        assert given.ground.strata[0].tables["cyclic"].number == pytest.approx(20.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ([(1, 0.2, 0.2), (1, 0.4, 0.4), (1, 0.6, 2.0)], "does not bend downwards at its first strain"),
+        ([(1, 0.2, 0.2), (1, 0.45, 0.4), (1, 0.6, 2.0)], "does not bend downwards at its first strain"),
+        ([(1, 0.4, 0.2), (1, 0.6, 1.0), (100, 0.6, 0.2), (100, 0.8, 1.0)], "contours of N 100 are above those of N 1"),
+    ],
+)
+def test_contours_that_are_no_backbone_are_refused(tmp_path, points, words) -> None:
+    table = "N,tau_cy/su,gamma_cy [%]\n" + "".join(f"{n},{t},{g}\n" for n, t, g in points)
+    with pytest.raises(UserInputError, match=words):
+        scene(tmp_path, ("cycles = 10", "cycles = 1"), table)
 
 
 def test_parcels_that_leave_the_contours_are_refused(tmp_path) -> None:

@@ -104,8 +104,10 @@ lateral_displacement = "1 mm"
 """
 
 
-def test_one_at_a_time_goes_through_the_ranges_of_a_scene(study, tmp_path):
-    (tmp_path / "ranged.toml").write_text(RANGED, encoding="utf-8")
+@pytest.mark.parametrize("estimate", ["", 'estimate = "best"\n'])
+def test_one_at_a_time_goes_through_the_ranges_of_a_scene(study, tmp_path, estimate):
+    text = RANGED.replace("[soil]\n", f"[soil]\n{estimate}", 1)
+    (tmp_path / "ranged.toml").write_text(text, encoding="utf-8")
     plan = study(ONE)
     names = ["rigidity_ratio", "soft_clay_undrained_shear_strength", "undrained_shear_strength"]
     assert [axis.name for axis in plan.axes] == names and not plan.is_grid
