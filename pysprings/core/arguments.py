@@ -23,9 +23,11 @@ def check_rows(n: int, V: Any, time: Any) -> None:
     """Raise UserInputError for a V that is neither one number nor one a row of n, and times that do not grow from 0."""
     bad = []
     if V is not None and np.shape(V) not in ((), (n,)):
-        bad.append(Problem(key="V", message=f"give one number, or one a row ({n}), not the shape {np.shape(V)}"))
+        bad.append(
+            Problem(key="V", message=f"give one number, or one a row of targets ({n}), not the shape {np.shape(V)}")
+        )
     if time is not None and (np.shape(time) != (n,) or np.any(np.diff(time, prepend=0.0) <= 0.0)):
-        bad.append(Problem(key="time", message=f"give one number a row ({n}), growing from 0 s"))
+        bad.append(Problem(key="time", message=f"give one number a row of targets ({n}), growing from 0 s"))
     if bad:
         raise UserInputError(bad)
 
