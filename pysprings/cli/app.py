@@ -42,6 +42,7 @@ COMMANDS = {
     "sweep": "sweep",
     "atlas": "atlas",
     "size": "size",
+    "explore": "explore",
     "accuracy": "studies",
     "stability": "studies",
 }
@@ -59,6 +60,7 @@ def _load_all() -> None:
         compiling,
         design,
         element,
+        explore,
         ground,
         predict,
         run,

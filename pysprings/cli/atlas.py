@@ -17,6 +17,9 @@ from pysprings.core.columns import Column, Table
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.scene.model import Scene
+    from pysprings.studies.atlas.model import Atlas
+
 SHIPPED_ATLASES = "an atlas (clay, clay-gap, sand, or a .nc file)"
 
 
@@ -48,30 +51,34 @@ def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = Fal
 
     Raises UserInputError for scenes that the atlas does not cover; with ``strict`` also at the edge of its full models.
     """
-    from pysprings.scene.changes import VERTICAL_LOAD, read_changes, vertical_load
     from pysprings.springs.checks import save_springs
     from pysprings.studies.atlas.model import open_atlas
 
     if asked.save is not None and asked.save.suffix != ".nc":
         refuse("--save-springs", "name a file that ends in .nc", asked.save)
     atlas = open_atlas(asked.atlas)
-    changes = [atlas.named(change) for change in read_changes(asked.changes)]
-    if asked.V is not None and all(change.keys != VERTICAL_LOAD for change in changes):
-        changes.append(vertical_load(asked.V))
-    if asked.scene is not None:
-        if asked.D is not None or asked.L is not None:
-            refuse("--D", "the scene file has it: give a scene file, or --D and --L", asked.scene)
-        from pysprings.scene.load import SceneText
-
-        scene = SceneText.read(asked.scene).scene(changes)
-    else:
-        scene = atlas.scene(asked.D, asked.L, changes)
+    scene = scene_of(atlas, asked)
     springs = atlas.springs(scene, extrapolate)
     if strict and (edge := str(springs.attrs["atlas_outside"])):
         refuse("--strict", edge)
     if asked.save is not None:
         save_springs(springs, asked.save)
     return springs
+
+
+def scene_of(atlas: Atlas, asked: Asked) -> Scene:
+    """Return the scene that options ask for: that of the scene file, or the atlas's base scene with other values."""
+    from pysprings.scene.changes import VERTICAL_LOAD, read_changes, vertical_load
+    from pysprings.scene.load import SceneText
+
+    changes = [atlas.named(change) for change in read_changes(asked.changes)]
+    if asked.V is not None and all(change.keys != VERTICAL_LOAD for change in changes):
+        changes.append(vertical_load(asked.V))
+    if asked.scene is None:
+        return atlas.scene(asked.D, asked.L, changes)
+    if asked.D is not None or asked.L is not None:
+        refuse("--D", "the scene file has it: give a scene file, or --D and --L", asked.scene)
+    return SceneText.read(asked.scene).scene(changes)
 
 
 def atlas(

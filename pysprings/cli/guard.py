@@ -53,14 +53,14 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         except (Exception, KeyboardInterrupt) as error:
             if DEBUG.get():
                 traceback.print_exc()
-            text, code = _explained(error)
+            text, code = explained(error)
             to_stderr(text)
             raise typer.Exit(code) from None
 
     return run
 
 
-def _explained(error: BaseException) -> tuple[str, int]:
+def explained(error: BaseException) -> tuple[str, int]:
     """Return message and exit code of an error."""
     if isinstance(error, UserInputError):
         return str(error), error.exit_code

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.cli import predictions
-    from pysprings.macro.model import AnySprings
+    from pysprings.macro.model import AnySprings, MacroModel
     from pysprings.macro.predict import Asking
     from pysprings.macro.space import SpaceControl
     from pysprings.macro.stiffness import Form
@@ -237,12 +237,20 @@ def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Datase
         common |= {"u": question.u, "rotation": question.rotation}
         states = predict.way_to_motion(springs, arm=question.arm or 0.0, V=question.V, **common)
     else:
-        states = predict.way_to_load(springs, H=question.H, arm=question.arm, M=question.M, V=question.V, **common)
-        if question.H and question.M and question.H * question.M < 0.0:
-            from pysprings.results.tables.load_cases import below_mudline
-
-            states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(question.H, question.M)]
+        states = way_to_load(springs, question, common)
     return states.isel(step=[-1])
+
+
+def way_to_load(springs: AnySprings | MacroModel, question: Question, asking: Mapping[str, Any]) -> xr.Dataset:
+    """Return the states on the way to the load of a question; a moment that turns against H is a remark."""
+    from pysprings.macro import predict
+
+    states = predict.way_to_load(springs, H=question.H, arm=question.arm, M=question.M, V=question.V, **asking)
+    if question.H and question.M and question.H * question.M < 0.0:
+        from pysprings.results.tables.load_cases import below_mudline
+
+        states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(question.H, question.M)]
+    return states
 
 
 def _by_components(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:

@@ -40,7 +40,7 @@ _DEPTHS = 41  # of each layer
 _LAYERS = (SOIL, PALE)
 # key of the ground, heading, factor, colour
 _COLUMNS = (
-    ("friction_angle_final", "friction angle [deg]", DEGREES, PURPLE),
+    ("friction_angle_final", "friction\nangle [deg]", DEGREES, PURPLE),
     ("undrained_shear_strength", "su [kPa]", KPA, VERMILLION),
 )
 

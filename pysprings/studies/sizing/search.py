@@ -207,9 +207,13 @@ def scenes_of(atlas: Atlas, wanted: Wanted, D: float, L: float) -> list[tuple[Sc
 
 
 def mass_of(atlas: Atlas, D: float, L: float) -> float:
-    """Return the steel [kg] of skirt and lid, both of the skirt's thickness."""
+    """Return the steel [kg] of a caisson with the share of thickness of an atlas."""
     base = atlas.base.caisson
-    t = base.skirt_thickness / base.outer_diameter * D
+    return steel_of(D, L, base.skirt_thickness / base.outer_diameter * D)
+
+
+def steel_of(D: float, L: float, t: float) -> float:
+    """Return the steel [kg] of skirt and lid, both of the skirt's thickness t [m]."""
     return STEEL * math.pi * ((D - t) * t * L + 0.25 * D**2 * t)
 
 

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: MIT
+"""What the page explores: a run, whose caisson and ground are fixed, or an atlas with inputs for both."""
+
+from __future__ import annotations
+
+import math
+import shlex
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pysprings.core.errors import PyspringsError
+from pysprings.core.text import number
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pysprings.scene.model import Scene
+    from pysprings.studies.atlas.model import Atlas
+
+Values = Mapping[str, float | None]  # of inputs, in the units that they show; None: blank
+
+DIAMETERS = (2.0, 20.0)  # m, of the slider
+SPAN, HALVINGS = 5.0, 6  # factor about the start that is looked at for the ends of a slider, and steps towards them
+
+
+@dataclass(frozen=True)
+class Field:
+    """An input: name, unit, tip, value at the start (None: blank), ends of its slider (None: it has none).
+
+    `pause` : time [s] for which the slider rests before it is answered.
+    """
+
+    name: str
+    unit: str
+    tip: str
+    start: float | None
+    ends: tuple[float, float] | None = None
+    pause: float = 0.1
+
+    @property
+    def step(self) -> float:
+        """Step of the slider: a power of ten, at least 100 of them."""
+        low, high = self.ends or (0.0, 1.0)
+        return 10.0 ** math.floor(math.log10(max(high - low, 1e-9) / 100.0))
+
+    def text(self, value: float) -> str:
+        """Return a value with its unit, as options and scenes take it."""
+        return f"{value:.12g} {self.unit}".strip()
+
+
+H = Field("H", "MN", "lateral load; at first half of the largest known one", None, (0.0, 1.0), 0.02)
+ARM = Field("arm", "m", "its height above mudline", 10.0, (0.0, 100.0), 0.02)
+M = Field("M", "MN m", "moment about the lid centre, in place of the height; blank: H times the height", None)
+V = Field("V", "MN", "vertical load, down; blank: that of the springs", None)
+
+
+@dataclass(frozen=True)
+class RunSource:
+    """A folder of a run, or a file of springs: caisson and ground are fixed.
+
+    Methods take the values of all inputs: `key` is what the springs depend on, `facts` are names and texts beside the
+    inputs, `options` the arguments of `pysprings predict` before the load. `read` is None for a scene that this version
+    cannot read.
+    """
+
+    place: Path
+    tree: xr.DataTree
+    read: Scene | None
+    title: str
+    fields: tuple[Field, ...] = ()
+    load_fields: tuple[Field, ...] = (H, ARM, M, V)
+
+    @classmethod
+    def of(cls, place: Path) -> RunSource:
+        """Open the springs of a run. Raises UserInputError."""
+        from pysprings.cli.inputs import springs_of
+        from pysprings.scene.load import parse_scene
+
+        tree = springs_of(place)
+        try:
+            scene = parse_scene(str(tree.attrs["scene_toml"]))
+        except (KeyError, PyspringsError):
+            scene = None
+        return cls(place, tree, scene, str(tree.attrs.get("title", place.name)))
+
+    def key(self, values: Values) -> tuple[Any, ...]:
+        """Return nothing: there is one set of springs."""
+        return ()
+
+    def springs(self, values: Values) -> xr.DataTree:
+        """Return the springs of the run."""
+        return self.tree
+
+    def scene(self, values: Values) -> Scene | None:
+        """Return the scene of the run."""
+        return self.read
+
+    def facts(self, values: Values) -> list[tuple[str, str]]:
+        """Return caisson and ground of the run."""
+        attrs = self.tree.attrs
+        lengths = {"D": "outer_diameter_m", "L": "skirt_length_m", "t": "skirt_thickness_m"}
+        facts = [(name, f"{float(attrs[key]):.4g} m") for name, key in lengths.items()]
+        facts += [
+            ("drainage", str(attrs["drainage"])),
+            ("V of the springs", f"{1e-6 * attrs['vertical_load_N']:.4g} MN"),
+        ]
+        strata = self.read.ground.strata if self.read is not None else ()
+        return facts + [(f"ground at {each.top:.3g} m", each.name) for each in strata if not each.like]
+
+    def options(self, values: Values) -> list[str]:
+        """Return the folder or file."""
+        return [str(self.place)]
+
+
+@dataclass(frozen=True)
+class AtlasSource:
+    """An atlas: `fields` are D, L and the values of the ground that have short names. Methods as of `RunSource`."""
+
+    name: str
+    atlas: Atlas
+    title: str
+    fields: tuple[Field, ...]
+    load_fields: tuple[Field, ...]
+    _scenes: dict[tuple[Any, ...], Scene] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, name: str) -> AtlasSource:
+        """Open an atlas. Raises UserInputError."""
+        from pysprings.studies.atlas.model import open_atlas
+
+        atlas = open_atlas(name)
+        ratios, caisson = [float(end) for end in atlas.box[:, 0]], atlas.base.caisson
+        lengths = (_round(DIAMETERS[0] * ratios[0]), _round(DIAMETERS[1] * ratios[1]))
+        sizes = (
+            Field("D", "m", "outer diameter", caisson.outer_diameter, DIAMETERS),
+            Field("L", "m", "skirt length", _round(caisson.outer_diameter * math.sqrt(math.prod(ratios))), lengths),
+        )
+        data = tomllib.loads(atlas.text.text)
+        ground = [_ground_field(atlas, name, keys, data) for name, keys in atlas.family.short.items() if name != "V"]
+        at_rest = caisson.vertical_load
+        start = None if isinstance(at_rest, str) else 1e-6 * at_rest
+        largest = _end(atlas, "V", "MN", start or 0.01, 1e4)
+        down = Field("V", "MN", f"{V.tip[:-15]} scene" if start else V.tip, start, (0.0, largest))
+        title = f"{atlas.about.get('title', '')} ({atlas.source})"
+        return cls(name, atlas, title, (*sizes, *ground), (H, ARM, M, down))
+
+    def _changes(self, values: Values) -> tuple[str, ...]:
+        """Return the values of the ground that are not those of the base scene, as `--set` has them."""
+        given = [(each, value) for each in self.fields[2:] if (value := values[each.name]) is not None]
+        changed = [(each, each.text(value)) for each, value in given if value != each.start]
+        return tuple(f'{each.name}="{text}"' if each.unit else f"{each.name}={text}" for each, text in changed)
+
+    def key(self, values: Values) -> tuple[Any, ...]:
+        """Return all inputs but the lateral load."""
+        return tuple(values[each.name] for each in (*self.fields, V))
+
+    def springs(self, values: Values) -> xr.DataTree:
+        """Return the springs of the atlas."""
+        return self.atlas.springs(self.scene(values))
+
+    def scene(self, values: Values) -> Scene:
+        """Return the base scene of the atlas with these inputs."""
+        from pysprings.cli.atlas import Asked, scene_of
+
+        key = self.key(values)
+        if key not in self._scenes:
+            V_ = None if values["V"] is None else 1e6 * values["V"]
+            asked = Asked(self.name, None, values["D"], values["L"], self._changes(values), V=V_)
+            self._scenes.clear()
+            self._scenes[key] = scene_of(self.atlas, asked)
+        return self._scenes[key]
+
+    def facts(self, values: Values) -> list[tuple[str, str]]:
+        """Return the numbers that decide, each with what the full models of the atlas cover."""
+        here, (low, high) = self.atlas.family.read(self.scene(values)), self.atlas.box
+        rows = zip(self.atlas.family.labels, here, low, high, strict=True)
+        return [(name, f"{x:.3g} ({number(float(a), 3)} to {number(float(b), 3)})") for name, x, a, b in rows]
+
+    def options(self, values: Values) -> list[str]:
+        """Return the atlas, the caisson, and values that are not those of its base scene."""
+        given = [(f"--{each.name}", each, values[each.name]) for each in self.fields[:2]]
+        sizes = [text for name, each, value in given if value is not None for text in (name, each.text(value))]
+        return ["--atlas", self.name, *sizes, *(text for each in self._changes(values) for text in ("--set", each))]
+
+
+def _ground_field(atlas: Atlas, name: str, keys: str, data: Mapping[str, Any]) -> Field:
+    """Return the input of a value of the ground; its start and unit are those of the base scene."""
+    given: Any = data
+    for key in keys.split("."):
+        given = given[key] if isinstance(given, dict) else next(each for each in given if each.get("name") == key)
+    value, _, unit = str(given).partition(" ")
+    start = float(value)
+    ends = (_end(atlas, name, unit, start, 1.0 / SPAN), _end(atlas, name, unit, start, SPAN))
+    return Field(name, unit, keys.replace(".", " ").replace("_", " "), start, ends)
+
+
+def _end(atlas: Atlas, name: str, unit: str, start: float, factor: float) -> float:
+    """Return the last value up to factor times the start that the atlas covers, all else as in its base scene."""
+
+    def covered(value: float) -> bool:
+        from pysprings.scene.changes import read_changes
+
+        text = f'{name}="{value:.12g} {unit}"' if unit else f"{name}={value:.12g}"
+        try:
+            return atlas.covers(atlas.scene(changes=read_changes([text])))
+        except PyspringsError:
+            return False
+
+    inside, outside = 1.0, factor
+    if covered(start * outside):
+        return start * outside
+    for _ in range(HALVINGS if factor < 100.0 else 2 * HALVINGS):
+        middle = math.sqrt(inside * outside)
+        inside, outside = (middle, outside) if covered(start * middle) else (inside, middle)
+    return _round(start * inside)
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.2g}")
+
+
+Source = RunSource | AtlasSource
+
+
+def command_line(arguments: list[str]) -> str:
+    """Return a command as a shell takes it."""
+    return shlex.join(["pysprings", *arguments])

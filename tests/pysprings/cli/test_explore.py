@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: MIT
+"""`explore`: its answers are those of the commands it shows; the page in a real browser, on a run and on an atlas."""
+
+import base64
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import warnings
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pysprings.cli.page import answers
+from pysprings.cli.page.answers import Answer, Asker
+from pysprings.cli.page.sources import AtlasSource, RunSource, Source
+from pysprings.core.errors import UserInputError
+from pysprings.results.plots import style
+from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.springs.checks import open_springs, save_springs
+from pysprings.studies.design import answer_cases
+from tests.support import synthetic
+from tests.support.commands import command, environment
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+PATHS = (
+    synthetic.Path("push", "translation", size=8e-3, steps=8),
+    synthetic.Path("turn", "rotation", size=2e-3, steps=8),
+)
+CASES = "name, H [kN], arm [m], V [MN]\nstorm, 300, 8, 2\nice, 100, 2, 2\n"
+
+
+@pytest.fixture(scope="module")
+def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Springs of two paths, in a folder whose name a shell would take apart."""
+    folder = tmp_path_factory.mktemp("a run")
+    save_springs(synthetic.make_springs(PATHS), folder / "springs.nc")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def clay() -> AtlasSource:
+    return AtlasSource.of("clay")
+
+
+def start(source: Source, **changed: float | None) -> dict[str, float | None]:
+    """Values of the inputs at the start, some of them changed."""
+    values: dict[str, float | None] = {each.name: each.start for each in (*source.fields, *source.load_fields)}
+    return values | changed
+
+
+def predicted(values: dict[str, float | None], source: Source) -> tuple[int, Any, str]:
+    """Exit code, last state and messages of the command that the page shows."""
+    shown = shlex.split(answers.command_of(values, source))
+    assert shown[0] == "pysprings"
+    done = command(*shown[1:], "--json")
+    return done.code, json.loads(done.out)["states"][-1] if done.out else None, done.err
+
+
+def same_as_the_command(answer: Answer, values: dict[str, float | None], source: Source) -> None:
+    """Compare an answer with that of its command."""
+    code, state, _ = predicted(values, source)
+    assert code == 0
+    assert answer.way is not None
+    last = answer.way.isel(step=-1)
+    for name in ("u", "w", "rotation", "H", "M", "V", "utilisation"):
+        assert float(last[name]) == pytest.approx(state[name], rel=1e-9, abs=1e-12), name
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
+@pytest.mark.parametrize("loads", [{"H": 0.2, "arm": 8.0}, {"H": -0.1, "M": 0.3}, {"M": 0.4}, {"H": 0.1, "V": 2.2}])
+def test_the_command_of_a_run_gives_the_same_answer(run_folder: Path, loads: dict[str, float]) -> None:
+    source = RunSource.of(run_folder)
+    values = start(source, **loads)
+    same_as_the_command(Asker(source).answer(values), values, source)
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
+def test_the_command_of_an_atlas_gives_the_same_answer_as_inputs_change(clay: AtlasSource) -> None:
+    asker = Asker(clay)
+    for changed in ({}, {"D": 9.5}, {"D": 9.5, "su": 25.0, "alpha": 0.8}, {"V": 1.5}, {"gradient": 1.0, "arm": 30.0}):
+        values = start(clay, H=0.3, **changed)
+        answer = asker.answer(values)
+        same_as_the_command(answer, values, clay)
+        texts = [text for _, text in answers.remarks(answer)]
+        assert any(text.startswith("standard deviation of the last state: u ") for text in texts)
+        assert any("made on mesh 'coarse'" in text for text in texts)  # the mark of all springs of this atlas
+
+
+@pytest.mark.parametrize(
+    "changed", [{"H": 50.0}, {"H": None}, {"H": 0.3, "D": 20.0, "L": 4.0}, {"H": 0.3, "alpha": 2.0}, {"H": 1e9}]
+)
+def test_what_predict_refuses_is_refused_in_its_words(clay: AtlasSource, changed: dict[str, float | None]) -> None:
+    values = start(clay, **changed)
+    answer = Asker(clay).answer(values)
+    code, _, message = predicted(values, clay)
+    assert code in (2, 3)
+    assert answer.way is None
+    assert message.strip().endswith(answer.refusal)
+    assert answers.remarks(answer) == [("refused", answer.refusal.removeprefix("fatal: "))]
+    assert dict(answers.numbers(answer, clay, values))["u"] == "-"
+
+
+def test_marks_are_texts(run_folder: Path) -> None:
+    source = RunSource.of(run_folder)
+    values = start(source, H=0.1, V=2.5)
+    said = answers.remarks(Asker(source).answer(values))
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        _, _, messages = predicted(values, source)
+    marks = [text for kind, text in said if kind == "mark"]
+    assert "off_load" in marks[0]
+    assert marks[1:] == messages.splitlines()
+    assert len(marks) == 3
+
+
+def test_zero_is_a_value(clay: AtlasSource) -> None:
+    values = start(clay, H=0.1, gradient=0.0)
+    assert "--set 'gradient=\"0 kPa/m\"'" in answers.command_of(values, clay)
+    same_as_the_command(Asker(clay).answer(values), values, clay)
+
+
+def test_half_of_the_largest_load_is_half_of_what_is_known(clay: AtlasSource) -> None:
+    asker = Asker(clay)
+    answer = asker.answer(start(clay, H=asker.half_of_largest(start(clay))))
+    assert answer.way is not None
+    assert float(answer.way["utilisation"][-1]) == pytest.approx(0.5, abs=0.03)  # two figures
+
+
+def test_load_cases_are_those_of_design(clay: AtlasSource, tmp_path: Path) -> None:
+    values, file = start(clay, H=0.3, V=2.0), tmp_path / "cases.csv"
+    file.write_text(CASES, encoding="utf-8")
+    content = f"data:text/csv;base64,{base64.b64encode(file.read_bytes()).decode()}"
+    found = Asker(clay).answer(values, ("cases.csv", content)).cases
+    assert found is not None
+    own = answer_cases(clay.springs(values), read_load_cases(file))
+    assert found.drop(columns="remarks").equals(own.drop(columns="remarks"))
+    wrong = Asker(clay).answer(values, ("cases.csv", "data:text/csv;base64," + base64.b64encode(b"name\nx\n").decode()))
+    assert "no column with a load" in wrong.refusal
+
+
+def test_ends_of_sliders_are_covered_where_all_else_is_at_its_start() -> None:
+    for name in ("clay", "clay-gap", "sand"):
+        source = AtlasSource.of(name)
+        base = dict(L=source.atlas.base.caisson.skirt_length)
+        for each in source.fields[2:]:
+            assert each.ends is not None
+            assert each.ends[0] < each.start < each.ends[1], each.name  # type: ignore[operator]
+            for end in each.ends:
+                middle = each.start + 0.95 * (end - each.start)  # type: ignore[operator]
+                source.springs(start(source, **base | {each.name: middle}))
+
+
+def test_commands_that_are_not_enough(run_folder: Path) -> None:
+    assert "give the folder of a run" in command("explore").err
+    assert command("explore", run_folder, "--atlas", "clay").code == 2
+    done = command("explore", run_folder / "none")
+    assert done.code == 2
+
+
+def test_a_port_in_use_is_refused(run_folder: Path) -> None:
+    from pysprings.cli.explore import bound
+
+    with bound(0) as taken, pytest.raises(UserInputError, match="--port"):
+        bound(taken.getsockname()[1])
+
+
+def test_without_dash_its_package_is_named(run_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "dash", None)
+    monkeypatch.delitem(sys.modules, "pysprings.cli.page.page", raising=False)
+    done = command("explore", run_folder)
+    assert (done.code, "this needs the package dash" in done.err) == (4, True)
+
+
+# --- in a browser ---
+
+
+@contextmanager
+def served(*args: object) -> Iterator[str]:
+    """The address of a page that a fresh process serves."""
+    line = [sys.executable, "-m", "pysprings", "explore", *map(str, args), "--port", "0"]
+    with subprocess.Popen(line, env=environment(), stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            yield server.stdout.readline().strip()
+        finally:
+            server.terminate()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    pytest.importorskip("dash")
+    api = pytest.importorskip("playwright.sync_api")
+    if BROWSER is None:
+        pytest.skip("no Chromium")
+    with api.sync_playwright() as play:
+        found = play.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+def opened(browser: Any, address: str) -> Any:
+    """The page with its first answer."""
+    page = browser.new_page(viewport={"width": 1280, "height": 720})
+    page.goto(address)
+    page.wait_for_selector("#number-u")
+    page.wait_for_selector("#load .main-svg")
+    return page
+
+
+def after(page: Any, act: Any) -> None:
+    """Wait until the answer to what is done is there."""
+    before = page.inner_text("#command")
+    act()
+    page.wait_for_function("old => document.querySelector('#command').innerText != old", arg=before)
+
+
+def shown_as_predicted(page: Any) -> dict[str, float]:
+    """Compare the numbers of the page with the command that it shows; return the state of the command."""
+    done = command(*shlex.split(page.inner_text("#command"))[1:], "--json")
+    state: dict[str, float] = json.loads(done.out)["states"][-1]
+    assert page.inner_text("#number-u") == f"{1e3 * state['u']:.5g} mm"
+    assert page.inner_text("#number-tilt") == f"{style.DEG * state['rotation']:.5g} deg"
+    assert page.inner_text("#number-utilisation") == f"{100.0 * state['utilisation']:.4g} %"
+    return state
+
+
+def complaints(page: Any) -> list[str]:
+    """What axe-core finds: names, labels, contrast, landmarks."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    found = axe.Axe().run(page).response["violations"]
+    return [f"{each['id']}: {node['html'][:120]}" for each in found for node in each["nodes"]]
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
+def test_a_run_in_a_browser(browser: Any, run_folder: Path, tmp_path: Path) -> None:
+    with served(run_folder) as address:
+        page = opened(browser, address)
+        first = shown_as_predicted(page)
+        assert complaints(page) == []
+        page.focus("#H-slider")
+        after(page, lambda: page.keyboard.press("ArrowRight"))  # a keyboard does
+        assert shown_as_predicted(page)["H"] > first["H"]
+        page.fill("#H-number", "900")
+        page.wait_for_selector("#remarks .refused")
+        assert "beyond the range" in page.inner_text("#remarks")
+        assert page.inner_text("#number-u") == "-"
+        assert complaints(page) == []
+        assert page.evaluate("document.documentElement.scrollHeight") <= 720
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
+def test_an_atlas_in_a_browser(browser: Any, tmp_path: Path) -> None:
+    with served("--atlas", "clay") as address:
+        page = opened(browser, address)
+        assert "made on mesh 'coarse'" in page.inner_text("#remarks")
+        for name in ("D", "su"):
+            page.focus(f"#{name}-slider")
+            after(page, lambda: page.keyboard.press("ArrowRight"))
+        assert re.search(r"--set 'su=\"[\d.]+ kPa\"'", page.inner_text("#command"))
+        state = shown_as_predicted(page)
+        cases = tmp_path / "cases.csv"
+        cases.write_text(CASES, encoding="utf-8")
+        page.focus("#choose")
+        with page.expect_file_chooser() as chosen:
+            page.keyboard.press("Enter")
+        chosen.value.set_files(cases)
+        page.wait_for_selector("#table td")
+        assert "storm" in page.inner_text("#table")
+        assert "2 cases" in page.inner_text("#table")
+        assert complaints(page) == []
+        with page.expect_download() as saved:
+            page.click("#save")
+        saved.value.save_as(tmp_path / "explored.zip")
+    with zipfile.ZipFile(tmp_path / "explored.zip") as archive:
+        archive.extractall(tmp_path)
+        assert sorted(archive.namelist()) == ["command.txt", "scene.toml", "springs.nc"]
+    args = shlex.split((tmp_path / "command.txt").read_text(encoding="utf-8"))
+    load = args[args.index("--H") :]
+    (again,) = json.loads(command("predict", tmp_path / "springs.nc", *load, "--json").out)["states"]
+    assert again["u"] == pytest.approx(state["u"], rel=1e-9)
+    (again,) = json.loads(
+        command("predict", tmp_path / "scene.toml", "--atlas", "clay", *load, "--json").out
+    )["states"]  # fmt: skip
+    assert again["u"] == pytest.approx(state["u"], rel=1e-9)
+    open_springs(tmp_path / "springs.nc")
