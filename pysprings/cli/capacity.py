@@ -71,7 +71,7 @@ def capacity(
     Runs that have ended in DIR are not run again; interrupted ones go on. Series where the scene allows.
     """
     from pysprings.cli.folders import refuse_no_folder
-    from pysprings.results.tables.load_cases import read_load_cases
+    from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.load import load_scene
     from pysprings.studies.capacity import study
 

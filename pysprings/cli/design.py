@@ -48,9 +48,9 @@ def design(
     each case shows the largest motion and utilisation over them; files have a row a case and estimate.
     """
     from pysprings.cli.results import print_summary
+    from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.report import load_cases as text
-    from pysprings.results.tables.load_cases import read_load_cases
     from pysprings.studies import design as files
     from pysprings.studies.design import answer_cases
 

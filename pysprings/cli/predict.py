@@ -247,7 +247,7 @@ def way_to_load(springs: AnySprings | MacroModel, question: Question, asking: Ma
 
     states = predict.way_to_load(springs, H=question.H, arm=question.arm, M=question.M, V=question.V, **asking)
     if question.H and question.M and question.H * question.M < 0.0:
-        from pysprings.results.tables.load_cases import below_mudline
+        from pysprings.core.tables.load_cases import below_mudline
 
         states.attrs["remarks"] = [*states.attrs["remarks"], below_mudline(question.H, question.M)]
     return states
@@ -258,7 +258,8 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
     import numpy as np
 
     from pysprings.macro import predict
-    from pysprings.macro.directions import in_plane, off_plane, with_components
+    from pysprings.core.planes import in_plane
+    from pysprings.macro.directions import off_plane, with_components
     from pysprings.macro.stiffness import torsion_of
 
     x, y, about_x, about_y, T = (getattr(question, name) or 0.0 for name in ("Hx", "Hy", "Mx", "My", "T"))

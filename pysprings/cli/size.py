@@ -50,7 +50,7 @@ def size(
     skirt is the share of the diameter that the atlas has. With --confirm the full model pulls the result to every
     load case, on the mesh of the atlas: that confirms the atlas, not its mesh.
     """
-    from pysprings.results.tables.load_cases import read_load_cases
+    from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
     from pysprings.studies.atlas.model import open_atlas
     from pysprings.studies.sizing.search import Search, Wanted, bounds_of, least_confirmed

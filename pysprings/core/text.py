@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from itertools import zip_longest
 from typing import Any
 
+MOST_LETTERS = 60  # of the name of a path or a load case
 # a number with a unit, such as "-5 kN m^-1": nothing that calls, joins or calculates
 _QUANTITY = re.compile(r"[+-]?\.?\d[\d.,]*(e[+-]?\d+)?\s*[^\W\d_]*[\w /^·²³%-]*", re.IGNORECASE)
 

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import refused
+from pysprings.core.planes import in_plane
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
-from pysprings.macro.directions import in_plane, off_plane, with_components
+from pysprings.macro.directions import off_plane, with_components
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
 from pysprings.macro.stiffness import torsion_of

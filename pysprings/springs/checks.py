@@ -22,6 +22,7 @@ from pysprings.core.files.storage import read_tree, write_tree
 from pysprings.core.files.written import is_device
 from pysprings.core.magnitudes import LARGEST, SMALLEST_AT_ALL
 from pysprings.core.path_kinds import LOADS, MOTIONS, PAIRS, PARTS, PATH_KINDS, ROLES
+from pysprings.core.text import MOST_LETTERS
 from pysprings.core.units import quoted
 from pysprings.springs.path import RecordedPath, SpacePath, paths_of, space_paths_of
 from pysprings.springs.path_ends import end_faults, is_number, text_of
@@ -238,7 +239,6 @@ def save_springs(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
 LABELS = ("side", "component", "dof", "dof_conjugate")
 _UNITS = {"radian": "rad", "N m-1": "N/m", "N m m-1": "N m/m"}  # UDUNITS text -> key of LARGEST
 
-MOST_LETTERS = 60
 _NOT_FIRST = "=+-@. "  # a spreadsheet would read a formula, a shell an option, a folder something else
 
 

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from pysprings.core.tables.load_cases import LoadCases
     from pysprings.macro.model import AnySprings
-    from pysprings.results.tables.load_cases import LoadCases
 
 Array = NDArray[np.float64]
 

@@ -21,12 +21,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete
+from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
-from pysprings.results.tables.load_cases import LoadCases
 from pysprings.springs.path import same_load
 from pysprings.studies.capacity import plan
 from pysprings.studies.capacity.plan import PROBE, Group, Request, angles

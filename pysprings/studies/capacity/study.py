@@ -18,13 +18,13 @@ from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
 from pysprings.core.progress import Progress
+from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.text import json_text
 from pysprings.core.words import RANGE_END
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.csv import write_frame
-from pysprings.results.tables.load_cases import LoadCases
 from pysprings.scene.model import Scene
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs

@@ -27,7 +27,7 @@ from pysprings.springs.path import paths_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pysprings.results.tables.load_cases import LoadCases
+    from pysprings.core.tables.load_cases import LoadCases
     from pysprings.scene.model import Scene
     from pysprings.studies.atlas.model import Atlas
 

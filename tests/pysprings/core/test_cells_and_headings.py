@@ -5,7 +5,7 @@ import pytest
 
 from pysprings.core.tables.cells import NotANumber, number, style_of
 from pysprings.core.tables.headings import GRAVITY, Headings, WrongHeading
-from pysprings.results.tables.load_cases import COLUMNS
+from pysprings.core.tables.load_cases import COLUMNS
 
 KNOWN = Headings(COLUMNS, lambda head: {})
 

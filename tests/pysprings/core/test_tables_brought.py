@@ -13,8 +13,8 @@ import openpyxl
 import pytest
 
 from pysprings.core.errors import UserInputError
+from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.results.tables import open_table
-from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.scene.profile_table import read_layers
 from pysprings.studies.sweep.plan import read_table

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
+from pysprings.core.planes import in_plane
 from pysprings.core.variables import TORSION
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.directions import in_plane
 from pysprings.macro.stiffness import stiffness_six, turned
 from pysprings.springs.checks import save_springs
 from tests.support.commands import command

@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 
 from pysprings import open_atlas
+from pysprings.core.tables.load_cases import LoadCases
 from pysprings.macro.batch import answer_loads, predict_batch
 from pysprings.macro.predict import predict
-from pysprings.results.tables.load_cases import LoadCases
 from pysprings.scene.changes import read_changes
 from pysprings.springs.springs import Springs
 from pysprings.studies.design import answer_cases

@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 
 import pysprings
+from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import MacroModel
@@ -28,7 +29,6 @@ from pysprings.results.plots.files import figures
 from pysprings.results.plots.overview import overview
 from pysprings.results.summary import summary
 from pysprings.results.tables import open_table
-from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.atlas.model import open_atlas, shipped

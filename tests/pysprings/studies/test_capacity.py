@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
 from pysprings.studies.capacity import picture, plan, points, study
 from pysprings.studies.capacity.picture import envelopes

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from pysprings.core.errors import UserInputError
+from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.predict import predict
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report import load_cases as text
-from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.checks import save_springs
 from pysprings.studies import design as files
 from pysprings.studies.design import answer_cases

@@ -11,7 +11,7 @@ import pytest
 
 import pysprings
 from pysprings.core.errors import RunIncomplete, UserInputError
-from pysprings.results.tables.load_cases import read_load_cases
+from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.scene.changes import read_changes
 from pysprings.studies.atlas.model import Atlas
 from pysprings.studies.sizing import search as sizing

@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.results.tables.load_cases import LoadCases, read_load_cases
+from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 
 
 def table(folder: Path, *lines: str) -> LoadCases:
