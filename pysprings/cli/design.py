@@ -20,13 +20,23 @@ if TYPE_CHECKING:
 
 def design(
     result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or a p-y table")],
-    cases: Annotated[Path, typer.Argument(metavar="CASES", help="load cases (CSV, Excel), units in the headings")],
+    cases: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="CASES",
+            help="load cases (CSV, Excel), units in the headings; by default design.cases of the scene",
+        ),
+    ] = None,
     tilt: Annotated[
         str | None, typer.Option("--tilt", metavar="ANGLE", help='tolerated rotation, e.g. "0.25 deg"')
     ] = None,
     out: Annotated[
         list[Path] | None,
-        typer.Option("--out", metavar="FILE", help="file for the answers: .csv, .xlsx or .html; may be repeated"),
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            help="file for the answers: .csv, .xlsx, .html, or picture: .png, .svg; may be repeated",
+        ),
     ] = None,
     in_report: Annotated[
         bool, typer.Option("--report", help="put the answers into the report of the run (RESULT: its folder)")
@@ -61,8 +71,8 @@ def design(
         files.check_ending(file)
     if in_report:
         files.check_run(result)
-    read = read_load_cases(cases)
-    answers, table = _answers(
+    read = read_load_cases(cases := cases or _cases_of(result))
+    answers, table, springs = _answers(
         result, strict, lambda springs: answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set,
                                                      path=path),
     )  # fmt: skip
@@ -72,7 +82,7 @@ def design(
     about = {"springs": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
     about |= (record.summary if record else None) or {}
     for file in out or ():
-        files.write(file, answers, about)
+        files.write(file, answers, about, springs)
     if in_report:
         files.into_report(result, table)
     if as_json:
@@ -89,14 +99,30 @@ def design(
             print_summary(record)
 
 
+def _cases_of(result: Path) -> Path:
+    """Return the table that the scene of a run names."""
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.estimates import folders_of
+    from pysprings.scene.load import parse_scene
+
+    record = RunRecord.read(next(iter(folders_of(result).values()), result))
+    named = None if record is None else parse_scene(record.scene_toml).design.cases
+    if named is None:
+        refuse("CASES", "name a table of load cases: the scene of these springs has no [design] cases", result)
+    if not Path(named).exists():
+        refuse("CASES", f"{named}, [design] cases of the run as seen from where it ran, is not there: name the table")
+    return Path(named)
+
+
 def _answers(
     result: Path, strict: bool, answer: Callable[[AnySprings], pd.DataFrame]
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return all answers, and those that govern: of a folder with several estimates the largest over them."""
+) -> tuple[pd.DataFrame, pd.DataFrame, AnySprings]:
+    """Return all answers, those that govern (of several estimates the largest over them), and the first springs."""
     from pysprings.cli.inputs import springs_or_table
     from pysprings.results.estimates import folders_of
     from pysprings.studies.design import governing
 
     sets = folders_of(result)
-    tables = {name: answer(springs_or_table(place, None, strict)) for name, place in (sets or {"": result}).items()}
-    return governing(tables) if sets else (tables[""], tables[""])
+    opened = {name: springs_or_table(place, None, strict) for name, place in (sets or {"": result}).items()}
+    tables = {name: answer(springs) for name, springs in opened.items()}
+    return *(governing(tables) if sets else (tables[""], tables[""])), next(iter(opened.values()))

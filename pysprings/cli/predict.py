@@ -257,8 +257,8 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
     """Return the state under loads by components, in their plane and by components."""
     import numpy as np
 
-    from pysprings.macro import predict
     from pysprings.core.planes import in_plane
+    from pysprings.macro import predict
     from pysprings.macro.directions import off_plane, with_components
     from pysprings.macro.stiffness import torsion_of
 

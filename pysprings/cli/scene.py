@@ -134,6 +134,11 @@ _BACKBONE = (
     Column("tau_a/su", "average"), Column("strain [%]", "strain", factor=100.0), Column("tau/su", "stress_over_su"),
 )  # fmt: skip
 
+_LOADS = (
+    Column("V [MN]", "V_N", factor=1e-6), Column("paths", "paths"), Column("time, estimated [s]", "time_s", 3),
+    Column("load cases", "cases"),
+)  # fmt: skip
+
 
 def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
     """Print the ground by depth: a row for top and bottom of each layer."""
@@ -151,13 +156,16 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
     print(f"sha256 {scene.sha256}")
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.all_paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
-    apart = ("ground", "cyclic", "left_out", "warnings", "defaulted")
+    apart = ("ground", "cyclic", "vertical_loads", "left_out", "warnings", "defaulted")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]
     print_table(Table("", ("quantity", "value"), rows))
     print_ground(about.get("ground", ()))
     if rows := about.get("cyclic", ()):
         print("\nbackbone after cycles: a hyperbola from G, then")
         print_table(Table.of(filled(_BACKBONE, rows), rows))
+    if rows := about.get("vertical_loads", ()):
+        print("\nsprings by vertical load, with the load cases that each is nearest to:")
+        print_table(Table.of(filled(_LOADS, rows), rows))
     if rows := about.get("defaulted", ()):
         print("\ndefaults, which this scene does not give:")
         print_table(Table("", ("key", "value"), [(row["key"], value_text(row)) for row in rows]))

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Literal
 
 AUTO = "auto"  # of a value that the program chooses
+FROM_CASES = "from cases"  # of the further vertical loads of springs: those of [design] cases
 MOST_DRAWN = 6  # paths of a run that are all drawn
 
 MeshPreset = Literal["coarse", "medium", "paper", "fine"]

@@ -29,10 +29,11 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
+from pysprings.core.vertical_loads import close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.ways import RANGE_SLACK
-from pysprings.springs.path import SAME_DIRECTION, close_loads
+from pysprings.springs.path import SAME_DIRECTION
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import pandas as pd
 
 from pysprings.core.columns import Column, Table, filled, records
 from pysprings.core.path_kinds import ROLES, VERTICAL
+from pysprings.core.vertical_loads import same_load
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.springs.path import same_load
 from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED
 
 # every column of the comparison for people; terminal and report choose theirs

@@ -21,9 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.vertical_loads import same_load
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
-from pysprings.springs.path import SpringPath, same_load
+from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]

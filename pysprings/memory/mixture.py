@@ -30,12 +30,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.vertical_loads import same_load
 from pysprings.macro.solver import Drive
 from pysprings.memory.calibration import ElementSet
 from pysprings.memory.elements import PLATES, STATES, advance, follow, relax
 from pysprings.memory.shares import Shares, elastic_of, stiffnesses, ways_of
 from pysprings.memory.water import Water
-from pysprings.springs.path import same_load
 
 Array = NDArray[np.float64]
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.vertical_loads import same_load
 from pysprings.macro.fan_springs import FanSprings
 from pysprings.macro.response import ElementRows
 from pysprings.macro.solver import Drive
@@ -19,7 +20,7 @@ from pysprings.memory.calibration import ElementSet, numbers_of, way_of
 from pysprings.memory.elements import PLATES, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
 from pysprings.memory.shares import elastic_motions, loads_of
-from pysprings.springs.path import TOGETHER, same_load
+from pysprings.springs.path import TOGETHER
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]

@@ -18,6 +18,7 @@ from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.units import quoted
+from pysprings.core.vertical_loads import close_loads
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.ways import RANGE_SLACK
@@ -26,7 +27,7 @@ from pysprings.memory.calibration import ElementSet, SpaceElements
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
 from pysprings.memory.offered import Offered, elastic_motions
 from pysprings.memory.shares import loads_of
-from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, close_loads
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]

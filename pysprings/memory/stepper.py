@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
+from pysprings.core.vertical_loads import close_loads
 from pysprings.macro.fan import WIDEST, FanTable
 from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance, relax
@@ -15,7 +16,6 @@ from pysprings.memory.mixture import ChangingLoad, Step
 from pysprings.memory.model import MemorySprings, off_rate
 from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
-from pysprings.springs.path import close_loads
 
 Array = NDArray[np.float64]
 

@@ -126,9 +126,13 @@ _ROUNDING = 1e-6
 
 
 def _vertical(run: Run) -> str:
-    """Give V at rest, and the largest vertical loads that the springs carry; empty without vertical springs."""
+    """Give V at rest with the share that is used, the largest V that the springs carry, and V of several spring sets.
+
+    Empty without vertical springs.
+    """
     from pysprings.macro.model import MacroModel
-    from pysprings.macro.vertical_answer import largest_vertical
+    from pysprings.macro.vertical_answer import largest_vertical, vertical_use
+    from pysprings.springs.springs import Springs
 
     if run.springs is None:
         return ""
@@ -136,9 +140,13 @@ def _vertical(run: Run) -> str:
         model = MacroModel.from_springs(run.springs)
     except PyspringsError:  # of several rates: none is asked for
         return ""
-    known = [(word, *largest_vertical(model, sign)) for word, sign in (("down", 1.0), ("up", -1.0))]
+    known = [(word, *largest_vertical(model, sign)) for word, sign in (("push", 1.0), ("pull", -1.0))]
     parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
-    return f"V {1e-6 * model.rest_load:.4g} MN at rest; largest known: {', '.join(parts)}" if parts else ""
+    used = float(vertical_use(model, np.array([model.rest_load]))["utilisation_V"][0])
+    share = f", {100.0 * used:.3g} % used" if math.isfinite(used) else ""
+    sets = [f"{1e-6 * each.V:.4g}" for each in Springs.of(run.springs).load_sets]
+    at = f"; lateral springs at V {', '.join(sets)} MN" if len(sets) > 1 else ""
+    return f"V {1e-6 * model.rest_load:.4g} MN at rest{share}; largest known: {', '.join(parts)}{at}" if parts else ""
 
 
 def _tilt(run: Run) -> str:

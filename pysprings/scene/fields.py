@@ -276,8 +276,11 @@ class Text(Field):
     pattern: str = r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,200}"
     meaning: str = "1 to 200 characters on one line"
     names_files: bool = False
+    optional: bool = False
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
+        if value is None and self.optional:
+            return value
         if not isinstance(value, str):
             raise refuse(f"expected a text in quotes, got {quoted(value)}")
         if not re.fullmatch(self.pattern, value) or not value.strip():
@@ -295,15 +298,20 @@ class QuantityList(Field):
     """A list of quantities whose kind depends on an earlier field of the same section, or is one for all.
 
     by_field : name of that field ("": one for all);  quantities : pairs of its value and the quantity of the entries
+    word : text that stands for a list in scene files, whose reader puts the list in its place
     """
 
     by_field: str
     quantities: tuple[tuple[str, Quantity], ...]
     text: str
+    word: str = ""
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, list | tuple):
-            raise refuse(f"expected a list of quantities such as [{quoted(self._example())}], got {quoted(value)}")
+            hint = f" (or, in a scene file, {quoted(self.word)})" if self.word else ""
+            raise refuse(
+                f"expected a list of quantities such as [{quoted(self._example())}]{hint}, got {quoted(value)}"
+            )
         quantity = dict(self.quantities).get(info.data.get(self.by_field, ""))  # "" is no value of a field
         if quantity is None:  # the other field is refused already
             return ()
@@ -326,4 +334,5 @@ class QuantityList(Field):
 
     def schema(self) -> dict[str, Any]:
         entry = {"type": "string", "pattern": QUANTITY_PATTERN}
-        return {"description": self.text, "type": "array", "items": entry, "examples": [[self._example()]]}
+        schema = {"description": self.text, "type": "array", "items": entry, "examples": [[self._example()]]}
+        return {"description": self.text, "anyOf": [{"const": self.word}, schema]} if self.word else schema

@@ -19,7 +19,7 @@ from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
-from pysprings.scene.design_load import Design
+from pysprings.scene.design_load import Design, take_cases
 from pysprings.scene.fields import FROM_TOML, suggestion
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
@@ -143,9 +143,10 @@ class SceneText:
         if self.has_ranges and not any(ranges_in(data)) and isinstance(data.get("soil"), dict):
             data["soil"].pop("estimate", None)  # changes have taken the place of all ranges
         from_files, problems = read_files(data.get("soil"), folder)
-        in_tables = [*self._in_table, *problems]
+        of_cases, in_cases = take_cases(data, folder)
+        in_tables = [*self._in_table, *problems, *in_cases]
         estimates, wrong = take_estimate(data, Scene.model_fields["title"].default)
-        faults = {Fault((keys,), message): "" for keys, message in incomplete(data)}
+        faults = {Fault((keys,), message): "" for keys, message in (*incomplete(data), *of_cases)}
         if wrong and not in_tables:
             faults[Fault((("soil", "estimate"),), wrong)] = ""
         scenes = []
@@ -168,8 +169,8 @@ class SceneText:
         scene = scenes[0]
         cyclic = [stratum.tables.get(CYCLIC) for stratum in scene.ground.strata]
         scene = scene.model_copy(update={"title": titled(scene.title, [each for each in cyclic if each])})
-        # a scene of a profile, or of contours, is written with their values: it needs no other file then
-        if not (self._profile or from_files or changed):
+        # a scene of a profile, contours or load cases is written with their values: it needs no other file then
+        if not (self._profile or from_files or changed or scene.design.cases):
             scene._source = (self.text, scene.sha256)
         return scene
 

@@ -13,7 +13,6 @@ from pydantic import PrivateAttr, model_validator
 from pysprings.core.card import caisson_drawing, card
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.scene.checks import clashes, dotted
-from pysprings.scene.design_load import Design
 from pysprings.scene.fields import refuse
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Limit
@@ -72,7 +71,8 @@ class Scene(SceneSections):
             del values["solver"]["viscous_displacement"]
         if self.limit == Limit():
             del values["limit"]
-        if self.design == Design():
+        del values["design"]["cases"]
+        if not any(values["design"].values()):
             del values["design"]
         canonical = json.dumps(values, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()

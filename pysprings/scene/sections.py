@@ -16,7 +16,7 @@ from pydantic import Field as Key
 
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.path_kinds import LOADS, MOTIONS, PATH_KINDS, ROLES
-from pysprings.core.words import AUTO, Discretisation, Figures, MeshPreset
+from pysprings.core.words import AUTO, FROM_CASES, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
@@ -105,7 +105,9 @@ _BOTTOM = Quantity(
 _REACH = Quantity("mm", "[1e-6, 1e5]", "largest motion of the fan of load paths", "20 mm", optional=True)
 _FURTHER_LOADS = QuantityList(
     "", (("", Quantity("MN", "[-1e4, 1e4]", "vertical load", "4 MN")),),
-    "further vertical loads under which the rays are computed, beside that of [caisson]",
+    'further vertical loads under which the rays are computed, beside that of [caisson]; "from cases" takes the fewest '
+    "that are within 10 % of every V of [design] cases",
+    word=FROM_CASES,
 )  # fmt: skip
 _RAYS = QuantityList(
     "", (("", Quantity("deg", "[-90, 90]", "direction of a ray", "30 deg")),),

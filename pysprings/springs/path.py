@@ -21,37 +21,14 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import LOADS, MEMORY, MOTIONS, PathKind, bends, driven, is_straight, kind_of, turns_back
 from pysprings.core.variables import EXTRAPOLATED
+from pysprings.core.vertical_loads import same_load
 from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
 
-SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
-NO_LOAD = 1.0  # or by this [N]
 SAME_DIRECTION = math.radians(1.0)  # directions within this angle [rad] are one
 STRAIGHT = 1e-3  # a path keeps its direction when all its states are within this angle [rad]
 TOGETHER = 10.0**0.5  # paths whose rates differ by less than this factor belong to one set
-CLOSE_LOAD = 0.1  # vertical loads whose lateral springs are one, over the larger
 CLOSE = 1.05  # a rate within this factor of a set's is that of the set
-
-
-def same_load(a: float, b: float) -> bool:
-    """Return whether two vertical loads [N] are one: they may differ by solver tolerances."""
-    return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
-
-
-def close_loads(values: Array | float, other: Array | float) -> NDArray[np.bool_]:
-    """Return which vertical loads [N] are so close to others that lateral springs of one hold for both.
-
-    Loads on a bucket in sand change by 0.9 to 1.4 % where V differs by a tenth.
-    """
-    near: NDArray[np.bool_] = np.abs(np.subtract(values, other)) <= np.maximum(
-        CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD
-    )
-    return near
-
-
-def same_loads(values: Array, other: float) -> NDArray[np.bool_]:
-    """Return which vertical loads (n,) [N] are one with another."""
-    return np.array([same_load(value, other) for value in values], dtype=bool)
 
 
 def is_rate(a: float, b: float) -> bool:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
+from pysprings.core.vertical_loads import same_load
 from pysprings.springs import path_sets
 from pysprings.springs.checks import check_schema, validate_springs
 from pysprings.springs.path import (
@@ -27,7 +28,6 @@ from pysprings.springs.path import (
     paths_of,
     pure_of,
     rays_of,
-    same_load,
     space_paths_of,
 )
 from pysprings.springs.path_ends import PathEnd

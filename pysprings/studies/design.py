@@ -18,24 +18,27 @@ from numpy.typing import NDArray
 
 from pysprings.core.columns import filled
 from pysprings.core.errors import refused
-from pysprings.core.files.storage import write_text
+from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.text import number
+from pysprings.core.vertical_loads import close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import answer_loads
 from pysprings.macro.directions import twist_of
+from pysprings.macro.model import typed
 from pysprings.macro.stiffness import torsion_of
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
 from pysprings.results.report.load_cases import OK
 from pysprings.results.sheets import write_sheet
+from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
     from pysprings.core.tables.load_cases import LoadCases
-    from pysprings.macro.model import AnySprings
+    from pysprings.macro.model import AnySprings, Typed
 
 Array = NDArray[np.float64]
 
@@ -94,6 +97,7 @@ def answer_cases(
     frame["answered"] = answers["answered"].values.astype(int)
     frame["marks"] = _marks(answers)
     frame["remarks"] = list(cases.notes)
+    frame = _with_sets(frame, typed(springs), cases, extrapolate, choice)
     D = answers.attrs.get("outer_diameter_m")
     bound, found = cases.bounded(None if D is None else 0.5 * float(D)), answers
     if cases.aside.any():
@@ -170,6 +174,41 @@ def _marks(answers: xr.Dataset) -> list[str]:
     return texts
 
 
+def _with_sets(
+    frame: pd.DataFrame, springs: Typed, cases: LoadCases, extrapolate: bool, choice: dict[str, Any]
+) -> pd.DataFrame:
+    """Return the answers with V of the nearest springs, and marks of V which differs by more than 10 % from all.
+
+    Such a mark has the answers of the springs on both sides, or of the last two where V is beyond all: the first are
+    bounds where the answer is monotonic in V.
+    """
+    if not isinstance(springs, Springs) or choice.get("path") is not None or not springs.load_sets:
+        return frame
+    loads = np.array([each.V for each in springs.load_sets])
+    V = np.where(np.isnan(cases.V), springs.rest_load, cases.V)
+    near = loads[np.abs(V[:, None] - loads).argmin(axis=1)]
+    out = frame.assign(V_springs_N=near)
+    far = np.flatnonzero(~close_loads(V, near) & (frame["answered"] == 1) & (loads.size > 1))
+    if not far.size:
+        return out
+    above = np.clip(np.searchsorted(loads, V[far]), 1, loads.size - 1)
+    sides = loads[above - 1], loads[above]
+    found = [answer_loads(springs, cases.loads[far], each, extrapolate, **choice) for each in sides]
+    for k, row in enumerate(far):
+        span = " and ".join(f"{number(1e-6 * float(each[k]))}" for each in sides)
+        inside = "V between the springs, interpolated; " * bool(loads[0] < V[row] < loads[-1])
+        values = [f"{words} {' and '.join(number(scale * float(each[name][k]), 3) for each in found)}{unit}"
+                  for name, words, scale, unit in _AT_SETS]  # fmt: skip
+        text = f"{inside}at V {span} MN: {', '.join(values)}"
+        out.loc[row, "marks"] = "; ".join(filter(None, [out["marks"][row], text]))
+    return out
+
+
+_AT_SETS = (
+    ("u", "u", 1e3, " mm"), ("rotation", "rotation", degrees(1.0), " deg"), ("utilisation", "utilisation", 1.0, ""),
+)  # fmt: skip
+
+
 def _with_bounds(frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset) -> pd.DataFrame:
     """Return the answers with what cases aside of one plane leave out, and the answers to their bounds."""
     out, aside = frame.copy(), cases.aside
@@ -199,7 +238,7 @@ def _verdict(row: dict[Any, Any]) -> str:
     return PARTLY if row["marks"] else OK
 
 
-ENDINGS = (".csv", ".xlsx", ".html")
+ENDINGS = (".csv", ".xlsx", ".html", ".png", ".svg")
 
 
 def check_ending(file: Path) -> None:
@@ -210,12 +249,22 @@ def check_ending(file: Path) -> None:
         raise refused("--out", "is a folder, not a file", file)
 
 
-def write(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path:
-    """Write answers (`answer_cases`) to a file; `about` are lines on what made them. Returns the path."""
+def write(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings) -> Path:
+    """Write answers (`answer_cases`) of springs to a file; `about` are lines on what made them. Returns the path."""
     check_ending(file)
-    if file.suffix.lower() == ".csv":
+    ending = file.suffix.lower()
+    if ending == ".csv":
         return write_frame(table, file)
-    return _workbook(file, table, about) if file.suffix.lower() == ".xlsx" else _page(file, table, about)
+    if ending == ".xlsx":
+        return _workbook(file, table, about)
+    if ending == ".html":
+        return _page(file, table, about, springs)
+    from pysprings.results.plots.files import content_of
+    from pysprings.results.plots.load_cases import load_cases
+
+    with replacing(file) as temporary:
+        temporary.write_bytes(content_of(load_cases(table, springs), ending[1:]))
+    return file
 
 
 def check_run(folder: Path) -> None:
@@ -241,8 +290,9 @@ def _workbook(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path
     return write_sheet(file, [column.head for column in columns], cells, notes)
 
 
-def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path:
-    from pysprings.results.report.page import page_html
+def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings) -> Path:
+    from pysprings.results.report.page import page_html, picture_of_cases
 
-    cases = replace(text.table_of(table), title="")
-    return write_text(page_html("design.html.j2", about=about, closing=text.closing(table), cases=cases), file)
+    cases, drawn = replace(text.table_of(table), title=""), picture_of_cases(table, springs)
+    values: dict[str, Any] = {"about": about, "closing": text.closing(table), "cases": cases, "drawn": drawn}
+    return write_text(page_html("design.html.j2", **values), file)

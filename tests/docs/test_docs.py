@@ -217,7 +217,13 @@ def test_python_of_a_document_runs(
 def test_scenes_of_the_documents_are_valid() -> None:
     """Many are fragments, which stand for scenes with a ground of their own."""
     texts = [block for page in RUN_HERE for block in blocks(page, "toml")]
-    apart = ("[[axis]]", "[sampling]", "profile =", "contours =")  # those of studies, and of tables that are not there
+    apart = (
+        "[[axis]]",
+        "[sampling]",
+        "profile =",
+        "contours =",
+        "cases =",
+    )  # those of studies, and of tables that are not there
     scenes = [text for text in texts if not any(each in text for each in apart)]
     assert scenes
     assert all((parse_scene if "K0" in text else tiny.parsed)(text).all_paths for text in scenes)

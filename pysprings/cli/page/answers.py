@@ -111,7 +111,7 @@ class Asker:
 
     def cases(self, values: Values, table: tuple[str, str]) -> pd.DataFrame:
         """Return the answers of `pysprings design` to an uploaded table. Raises UserInputError."""
-        from pysprings.results.tables.load_cases import read_load_cases
+        from pysprings.core.tables.load_cases import read_load_cases
         from pysprings.studies.design import answer_cases
 
         def make() -> pd.DataFrame:

@@ -10,6 +10,8 @@ import numpy as np
 
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
+from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.core.vertical_loads import close_loads
 from pysprings.model.build import Built
 from pysprings.model.contact import defaults_of, penalty_of
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
@@ -21,7 +23,7 @@ from pysprings.model.forecast.resources import (
     size_of,
     steps_bytes,
 )
-from pysprings.model.forecast.run_time import seconds, superlu_bytes, uses_superlu
+from pysprings.model.forecast.run_time import path_seconds, seconds, superlu_bytes, uses_superlu
 from pysprings.model.fourier import BuiltFourier, build
 from pysprings.model.stages import fast_paths, scene_warnings
 from pysprings.scene.defaults import remarks
@@ -30,6 +32,8 @@ from pysprings.scene.soils.cyclic import CYCLIC
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
+
+MOST_NAMED = 5  # load cases of a warning
 
 
 def profile(scene: Scene) -> list[dict[str, Any]]:
@@ -62,6 +66,8 @@ def describe(scene: Scene) -> dict[str, Any]:
     warnings = [*_memory_warning(memory), *effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
     warnings += [*fast_paths(scene, mesh), *remarks(scene)]
     V = 2.0 * (built.balanced_load + built.extra_load)
+    time = seconds(scene, unknowns, symmetric=symmetric)
+    by_load, far = _by_load(scene, V, time, unknowns)
     return {
         "mesh": {
             "nodes": mesh.n_nodes,
@@ -80,11 +86,39 @@ def describe(scene: Scene) -> dict[str, Any]:
         "defaulted": defaults_of(scene, V),
         "memory_GB": memory / 1e9,
         "disk_GB": steps / 1e9,
-        "time_s": seconds(scene, unknowns, symmetric=symmetric),
+        "time_s": time,
         **_with_pardiso(scene, unknowns, memory),
+        "vertical_loads": by_load,
         "left_out": [omission.record() for omission in left_out(scene)],
-        "warnings": warnings,
+        "warnings": [*warnings, *far],
     }
+
+
+def _by_load(scene: Scene, rest: float, time: float, unknowns: int) -> tuple[list[dict[str, Any]], list[str]]:
+    """Return a row for each vertical load of the springs, and a sentence on load cases that no row is close to.
+
+    A row has V [N], its paths and their part of the time of the run [s], and how many cases of [design] it is nearest
+    to. None where there is one load and no table of cases. rest [N] is V of the caisson.
+    """
+    loads = np.array([rest, *scene.springs.vertical_loads])
+    if loads.size == 1 and scene.design.cases is None:
+        return [], []
+    cases = None if scene.design.cases is None else read_load_cases(scene.design.cases)
+    V = np.zeros(0) if cases is None else np.where(np.isnan(cases.V), rest, cases.V)
+    place = np.abs(V[:, None] - loads).argmin(axis=1)
+    of_path = np.array([rest if each.vertical_load is None else each.vertical_load for each in scene.all_paths])
+    cost = np.array(path_seconds(scene, unknowns))
+    rows = [
+        {"V_N": float(load), "paths": int((of_path == load).sum()),
+         "time_s": time * float(cost[of_path == load].sum() / cost.sum()),
+         **({} if cases is None else {"cases": int((place == k).sum())})}
+        for k, load in enumerate(loads)
+    ]  # fmt: skip
+    far = np.flatnonzero(~close_loads(V, loads[place]))
+    if cases is None or not far.size:
+        return rows, []
+    names = ", ".join(cases.name[k] for k in far[:MOST_NAMED]) + " ..." * (far.size > MOST_NAMED)
+    return rows, [f"V of {far.size} load cases is more than 10 % from that of all springs: {names}"]
 
 
 def _cyclic(scene: Scene) -> dict[str, list[dict[str, Any]]]:

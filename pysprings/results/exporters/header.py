@@ -12,8 +12,9 @@ import pandas as pd
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import HELD_BACK, VERTICAL
 from pysprings.core.version import __version__
+from pysprings.core.vertical_loads import same_load
 from pysprings.results.exporters.base import Options, Source
-from pysprings.springs.path import SpringPath, same_load
+from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 

@@ -4,6 +4,7 @@
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from io import BytesIO
 from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -195,13 +196,24 @@ def _settle(figure: Figure, dpi: int) -> None:
     figure.set_layout_engine(None)
 
 
+def content_of(figure: Figure, ending: str = "png") -> bytes:
+    """Return the content of a file of a figure, "png" or "svg"."""
+    stream = BytesIO()
+    with mpl.rc_context(STYLE):
+        _settle(figure, DPI)
+        figure.savefig(stream, format=ending, dpi=DPI, **_of_format(ending))
+    return stream.getvalue()
+
+
+def _of_format(ending: str) -> dict[str, Any]:
+    # Dates would make two equal runs differ.
+    return {"metadata": {"Date": None}} if ending == "svg" else {"pil_kwargs": {"compress_level": PNG_LEVEL}}
+
+
 def _write(figure: Figure, file: Path, dpi: int, most: int | None = None) -> bool:
     """Write one file by a rename; a file above `most` bytes is not kept, nor is an older one of its name."""
-    # Dates would make two equal runs differ.
-    svg = file.suffix == ".svg"
-    more: dict[str, Any] = {"metadata": {"Date": None}} if svg else {"pil_kwargs": {"compress_level": PNG_LEVEL}}
     with replacing(file) as temporary:
-        figure.savefig(temporary, dpi=dpi, **more)
+        figure.savefig(temporary, dpi=dpi, **_of_format(file.suffix[1:]))
         small = most is None or temporary.stat().st_size <= most
     if not small:
         file.unlink()

@@ -32,6 +32,7 @@ from pysprings.core.files.storage import read_tree, write_text
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.core.registry import Registry
 from pysprings.full_model.run_record import RunRecord
+from pysprings.macro.model import AnySprings
 from pysprings.results.analysis.parts import converged
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
@@ -227,6 +228,7 @@ def render(
         validity=validity.validity(result, springs),
         tables={section: tables_of(section, data) for section in SECTIONS},
         pictures_of=pictures_by_part(figures, kinds, live is not None),
+        cases_drawn=[] if cases is None or springs is None else picture_of_cases(cases, springs),
         live=live,
         paths=[
             PathPart(name, str(path.attrs.get("status", "")), tables_of("path", data, name))
@@ -281,6 +283,17 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
         )  # fmt: skip
         parts.setdefault(kind.section, []).append(shown)
     return parts
+
+
+def picture_of_cases(cases: pd.DataFrame, springs: AnySprings) -> list[Picture]:
+    """Return the picture of answers to load cases over V; none of springs without V."""
+    if cases["V_N"].isna().all():
+        return []
+    from pysprings.results.plots.files import content_of
+    from pysprings.results.plots.load_cases import load_cases
+
+    caption = "Load cases over V, and the largest load known in the direction of each"
+    return [Picture(caption, picture_uri(content_of(load_cases(cases, springs)), ".png"))]
 
 
 def _caption(caption: str, state: str) -> str:

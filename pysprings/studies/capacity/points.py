@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.tables.load_cases import LoadCases
+from pysprings.core.vertical_loads import same_load
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
-from pysprings.springs.path import same_load
 from pysprings.studies.capacity import plan
 from pysprings.studies.capacity.plan import PROBE, Group, Request, angles
 from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
@@ -169,7 +169,8 @@ def closed(table: pd.DataFrame) -> pd.DataFrame:
 def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
     """Return a row a case and strength: its load over the chord in its direction, at the nearest computed V.
 
-    `off_load` is 1 where the V of a case is none of those computed. A case without V has the worst of all.
+    `off_load` is 1 where the V of a case is none of those computed, to 0.1 %: not the 10 % of springs, as an envelope
+    closes where V nears its own capacity, and a tenth of V is not small there. A case without V has the worst of all.
     """
     rows = []
     for strength, own in table.groupby("strength", sort=False):

@@ -21,8 +21,8 @@ from pysprings.cli.page import answers
 from pysprings.cli.page.answers import Answer, Asker
 from pysprings.cli.page.sources import AtlasSource, RunSource, Source
 from pysprings.core.errors import UserInputError
+from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.results.plots import style
-from pysprings.results.tables.load_cases import read_load_cases
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.studies.design import answer_cases
 from tests.support import synthetic

@@ -2,6 +2,7 @@
 """The ten lines of a run: the tilt at the design load of the scene."""
 
 import math
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -85,5 +86,7 @@ def test_a_design_load_changes_no_number_of_other_scenes() -> None:
 def test_vertical_loads_stand_in_the_summary() -> None:
     """V at rest is a number, and each direction has the largest load known; without vertical paths there is none."""
     text = _vertical(SimpleNamespace(springs=fan_with_vertical()))
-    assert text.startswith("V 2 MN at rest; largest known: down ") and ", up -" in text
+    assert text.startswith("V 2 MN at rest, ") and " % used; largest known: push " in text and ", pull -" in text
+    share, push = (float(found) for found in re.findall(r", ([\d.]+) % used; largest known: push ([\d.]+) MN", text)[0])
+    assert share == pytest.approx(200.0 / push, rel=1e-2)
     assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""

@@ -11,8 +11,11 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
+from pysprings.macro.vertical_answer import largest_vertical
 from pysprings.results.folder import run_to_folder
+from pysprings.results.plots.load_cases import load_cases
 from pysprings.results.report import load_cases as text
 from pysprings.springs.checks import save_springs
 from pysprings.studies import design as files
@@ -21,6 +24,7 @@ from tests.support import tiny
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import TORSION
+from tests.support.vertical import vertical_springs
 
 LINES = (
     "name,limit state,H [kN],arm [m],tilt [deg]",
@@ -70,20 +74,53 @@ def test_what_is_beyond_the_springs_has_no_motion(springs, cases: Path) -> None:
     assert huge["H_capacity_N"] == pytest.approx(1e9 / huge["utilisation"])
 
 
+def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_with_both_sides(tmp_path: Path) -> None:
+    """2 and 6 MN: 2.1 has springs, 4 lies between, 8 beyond; each side's answer is that of `predict` there."""
+    tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
+    rows = "".join(f"at {V},100,2,{V}\n" for V in (2.1, 4, 8))
+    file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
+    table = answer_cases(tree, read_load_cases(file), extrapolate=True).set_index("name")
+    assert table["V_springs_N"].tolist() == pytest.approx([2e6, 2e6, 6e6])
+    with pytest.warns(UserWarning):  # two rays are 90 degrees apart
+        sides = [1e3 * float(predict(tree, H=1e5, arm=2.0, V=V)["u"]) for V in (2e6, 6e6)]
+    words = f"at V 2 and 6 MN: u {sides[0]:.3g} and {sides[1]:.3g} mm, rotation "
+    assert "at V" not in table["marks"]["at 2.1"]
+    assert f"V between the springs, interpolated; {words}" in table["marks"]["at 4"]
+    assert f"V not covered by the lateral springs; {words}" in table["marks"]["at 8"].replace("; off", "")
+    assert set(table["verdict"]) == {"supported in part"}
+
+
+def test_the_picture_has_cases_springs_and_largest_loads(tmp_path: Path) -> None:
+    tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],V [MN]\nlow,100,2,2\nhigh,50,2,6\n", encoding="utf-8")
+    table = answer_cases(tree, read_load_cases(file))
+    (axes,) = load_cases(table, tree).axes
+    drawn = {str(line.get_label()): np.column_stack(line.get_data()) for line in axes.lines}
+    (cases,) = [xy for label, xy in drawn.items() if label.startswith("load case")]
+    np.testing.assert_allclose(cases, [[2.0, 0.1], [6.0, 0.05]])
+    assert [text.get_text() for text in axes.texts if text.get_text()] == ["high", "low"]
+    upright = sorted(float(line.get_xdata()[0]) for line in axes.lines if str(line.get_ydata()[-1]) == "1")
+    model = MacroModel.from_springs(tree)
+    ends = [1e-6 * largest_vertical(model, sign)[0] for sign in (1.0, -1.0)]
+    assert upright == pytest.approx(sorted([2.0, 6.0, *(end for end in ends if np.isfinite(end))]))
+    for ending in (".png", ".svg"):
+        assert files.write(tmp_path / f"a{ending}", table, {}, tree).stat().st_size > 5000
+
+
 def test_files(springs, cases: Path, tmp_path: Path) -> None:
     table = answer_cases(springs, read_load_cases(cases))
     about = {"springs": "run", "load cases": "<cases>"}
-    written = pd.read_csv(files.write(tmp_path / "a.csv", table, about))
+    written = pd.read_csv(files.write(tmp_path / "a.csv", table, about, springs))
     np.testing.assert_allclose(written["u_m"], table["u_m"], rtol=1e-9)
-    sheet = openpyxl.load_workbook(files.write(tmp_path / "a.xlsx", table, about))["cases"]
+    sheet = openpyxl.load_workbook(files.write(tmp_path / "a.xlsx", table, about, springs))["cases"]
     heads = [cell.value for cell in sheet[1]]
     column = heads.index("u [mm]") + 1
     assert sheet.cell(2, column).value == pytest.approx(1e3 * table["u_m"][0])
     assert sheet.cell(4, column).value is None  # the case without an answer
-    page = files.write(tmp_path / "a.html", table, about).read_text()
+    page = files.write(tmp_path / "a.html", table, about, springs).read_text()
     assert "&lt;cases&gt;" in page and text.closing(table) in page.replace("&#39;", "'")
     with pytest.raises(UserInputError, match=r"--out: ends in none of \.csv, \.xlsx, \.html"):
-        files.write(tmp_path / "a.txt", table, about)
+        files.write(tmp_path / "a.txt", table, about, springs)
 
 
 def test_rows_aside_of_one_plane_are_answered_and_marked(springs, tmp_path: Path) -> None:

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""Vertical loads that are one, that are close enough for the springs of one, and at which springs are made."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
+NO_LOAD = 1.0  # or by this [N]
+CLOSE_LOAD = 0.1  # vertical loads whose lateral springs are one, over the larger
+_KEPT = 1.0 - CLOSE_LOAD * (1.0 - 1e-9)  # a little closer, for rounding
+
+
+def same_load(a: float, b: float) -> bool:
+    """Return whether two vertical loads [N] are one: they may differ by solver tolerances."""
+    return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
+
+
+def same_loads(values: Array, other: float) -> NDArray[np.bool_]:
+    """Return which vertical loads (n,) [N] are one with another."""
+    return np.array([same_load(value, other) for value in values], dtype=bool)
+
+
+def close_loads(values: Array | float, other: Array | float) -> NDArray[np.bool_]:
+    """Return which vertical loads [N] are so close to others that lateral springs of one hold for both."""
+    near: NDArray[np.bool_] = np.abs(np.subtract(values, other)) <= np.maximum(
+        CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD
+    )
+    return near
+
+
+def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:
+    """Return the fewest vertical loads [N], lightest first, that are close to all values which `rest` is not close to.
+
+    A group of values has that value which is nearest to the middle of the group, where it is close to all of them, else
+    the middle: the geometric mean of its ends, equally close to both (the arithmetic one at loads of a few newtons).
+    """
+    left = np.unique([value for value in values if not close_loads(value, rest)])
+    found = []
+    while left.size:
+        # the farthest load that is close to the lightest value (stabbing of intervals from one end: the fewest)
+        low = left[0]
+        end = max(low / _KEPT, low * _KEPT, low + NO_LOAD)
+        group = left[close_loads(left, end) | (left <= end)]
+        product, half = float(low * group[-1]), float(0.5 * (low + group[-1]))
+        middle = np.copysign(np.sqrt(product), half) if product > 0.0 else half
+        nearest = min(group, key=lambda value: abs(value - middle))
+        found.append(next(float(V) for V in (nearest, middle, half) if close_loads(group, V).all()))
+        left = left[group.size :]
+    return tuple(found)

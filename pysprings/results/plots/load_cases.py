@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""Load cases in the plane of V and H, with the vertical loads of the springs and the largest that these carry."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from pysprings.core.errors import PyspringsError
+from pysprings.core.vertical_loads import CLOSE_LOAD
+from pysprings.core.words import RANGE_END
+from pysprings.macro.model import AnySprings, MacroModel, typed
+from pysprings.macro.vertical_answer import largest_vertical
+from pysprings.results.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    MN,
+    ORANGE,
+    PALE,
+    PURPLE,
+    VERMILLION,
+    new_figure,
+    plain,
+    styled,
+)
+from pysprings.springs.springs import Springs
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MARKS = {"ok": ("s", GREEN), "supported in part": ("D", ORANGE), "no answer": ("P", PURPLE)}
+MOST_NAMED = 12  # cases with their names: those of the largest utilisation
+
+
+@styled
+def load_cases(table: pd.DataFrame, springs: AnySprings) -> Figure:
+    """Draw |H| over V [MN] of load cases, and above each the largest known load in its direction at its V.
+
+    Parameters
+    ----------
+    table
+        Answers to load cases in SI (`pysprings design`), a row a case.
+    springs
+        Those that answered: their vertical loads are grey lines in bands of 10 %, the largest that they carry blue.
+    """
+    figure = new_figure(9.6, 4.8)
+    axes = figure.subplots()
+    shown = table[table["V_N"].notna() & table["H_N"].notna()]
+    _springs(axes, springs)
+    _capacities(axes, shown)
+    for verdict, part in shown.groupby("verdict"):
+        mark, colour = MARKS.get(str(verdict), ("X", VERMILLION))
+        look: Any = {"color": colour, "markersize": 7, "linestyle": "none", "zorder": 4}
+        axes.plot(MN * part["V_N"], MN * part["H_N"].abs(), mark, label=f"load case, {verdict}", **look)
+    for row in shown.sort_values("utilisation").drop_duplicates("name").tail(MOST_NAMED).to_dict("records"):
+        place = (MN * row["V_N"], MN * abs(row["H_N"]))
+        axes.annotate(plain(row["name"]), place, (6, 2), textcoords="offset points", fontsize=8, zorder=5)
+    axes.set(xlabel="V [MN], down +", ylabel="H, size [MN]")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    figure.suptitle("Load cases: vertical and lateral load")
+    return figure
+
+
+def _springs(axes: Axes, springs: AnySprings) -> None:
+    """Draw the vertical loads of the springs, and the largest downwards and upwards."""
+    given = typed(springs)
+    sets = [each.V for each in given.load_sets] if isinstance(given, Springs) else []
+    for k, V in enumerate(sets):
+        ends = sorted((V * (1.0 - CLOSE_LOAD), V / (1.0 - CLOSE_LOAD)))
+        axes.axvspan(MN * ends[0], MN * ends[1], color=PALE, zorder=0, label="10 % from these" * (not k) or None)
+        label = "V of lateral springs" * (not k) or None
+        axes.axvline(MN * V, color=GREY, linewidth=1.2, zorder=1, label=label)
+    try:
+        model = MacroModel.from_springs(given)
+    except PyspringsError:  # of several rates: none is asked for
+        return
+    for sign, words in ((1.0, "push"), (-1.0, "pull")):
+        V, kind, _ = largest_vertical(model, sign)
+        if kind:
+            dash: Any = "--" if kind == RANGE_END else "-"
+            label = f"largest {words}: {MN * V:.3g} MN, {kind}"
+            axes.axvline(MN * V, color=BLUE, linewidth=1.6, linestyle=dash, zorder=2, label=label)
+
+
+def _capacities(axes: Axes, shown: pd.DataFrame) -> None:
+    """Draw the largest known H of each case, open where it is the end of the range, and the way to it."""
+    known = shown[np.isfinite(shown["H_capacity_N"].astype(float))]
+    for row in known.to_dict("records"):
+        heights = [MN * abs(row["H_N"]), MN * abs(row["H_capacity_N"])]
+        axes.plot([MN * row["V_N"]] * 2, heights, color=GREY, linewidth=0.8, zorder=2)
+    for end, face in ((False, INK), (True, "white")):
+        part = known[(known["capacity_kind"] == RANGE_END) == end]
+        if len(part):
+            words = "largest H known, capacity is larger" if end else "largest H in the direction of the case"
+            axes.plot(
+                MN * part["V_N"], MN * part["H_capacity_N"].abs(), "o", color=INK, markerfacecolor=face, markersize=5,
+                linestyle="none", label=words, zorder=3,
+            )  # fmt: skip
