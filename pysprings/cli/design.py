@@ -79,7 +79,7 @@ def design(
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
-    about = {"springs": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
+    about = {"answered by": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
     about |= (record.summary if record else None) or {}
     for file in out or ():
         files.write(file, answers, about, springs)

@@ -82,10 +82,13 @@ def check(
 
 def load(file: Path, discretisation: str | None = None, changes: Sequence[str] | None = None) -> Scene:
     """Load a scene with changed values; refuse a discretisation that cannot represent it."""
+    from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.checks import clashes, dotted
     from pysprings.scene.load import load_scene
 
     scene = load_scene(file, changes or ())
+    if scene.design.cases is not None:
+        read_load_cases(scene.design.cases)  # what is wrong with them shows before anything is computed
     if discretisation is None or discretisation == scene.discretisation:
         return scene
     changed = scene.model_copy(update={"mesh": scene.mesh.model_copy(update={"discretisation": discretisation})})

@@ -38,6 +38,16 @@ def _real(value: float, digits: int) -> str:
     return f"{value + 0.0:.{digits}g}"  # + 0.0 turns -0.0 into 0.0
 
 
+def with_prefix(value: float, unit: str) -> str:
+    """Return a value in SI, four figures, with the prefix k, M or G of its unit: M from 0.1 to 10,000.
+
+    >>> with_prefix(8.249e10, "N m/rad"), with_prefix(-7.921e9, "N/rad"), with_prefix(5.0e4, "N/m")
+    ('82.49 GN m/rad', '-7921 MN/rad', '50 kN/m')
+    """
+    letter, scale = ("G", 1e9) if abs(value) >= 1e10 else ("k", 1e3) if abs(value) < 1e5 else ("M", 1e6)
+    return f"{value / scale:.4g} {letter}{unit}"
+
+
 def one_line(text: str) -> str:
     """Return a text on one line: line ends and all that is not printable become blanks; no backslash ends it."""
     return "".join(c if c.isprintable() else " " for c in str(text)).rstrip(" \\")

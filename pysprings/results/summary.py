@@ -18,6 +18,7 @@ from pysprings.results.analysis.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
 from pysprings.scene.model import caisson_text, ground_text
+from pysprings.springs.card import stiffness_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -73,11 +74,7 @@ def summary(
 def _stiffness(run: Run) -> str:
     if "stiffness_initial" not in run.result.dataset:
         return ""
-    k = run.result.dataset["stiffness_initial"].values
-    return (
-        f"K_H {1e-6 * k[0, 0]:.4g} MN/m, K_V {1e-6 * k[1, 1]:.4g} MN/m, K_M {1e-6 * k[2, 2]:.4g} MN m/rad, "
-        f"K_HM {1e-6 * k[0, 2]:.4g} MN/rad at the lid centre"
-    )
+    return stiffness_words(run.result.dataset["stiffness_initial"].values)
 
 
 def _loads(run: Run) -> str:

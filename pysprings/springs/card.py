@@ -9,8 +9,10 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pysprings.core.card import caisson_drawing, card, curves_drawing
+from pysprings.core.text import with_prefix
 
 if TYPE_CHECKING:
     from pysprings.springs.path import SpringPath
@@ -36,11 +38,15 @@ def stiffness_text(springs: Springs) -> str:
     """Return the initial stiffness at the lid centre; blank where none is held."""
     if "stiffness_initial" not in springs.root:
         return ""
-    k, full = springs.lateral_stiffness, springs.stiffness
-    vertical = "" if full is None else f"K_V {1e-6 * full[1, 1]:.4g} MN/m, "
+    return stiffness_words(springs.lateral_stiffness if springs.stiffness is None else springs.stiffness)
+
+
+def stiffness_words(k: NDArray[np.float64]) -> str:
+    """Return a stiffness at the lid centre, (3, 3) of u, w, rotation or (2, 2) of u, rotation [N/m, N/rad, N m/rad]."""
+    vertical = f"K_V {with_prefix(k[1, 1], 'N/m')}, " if len(k) > 2 else ""
     return (
-        f"K_H {1e-6 * k[0, 0]:.4g} MN/m, {vertical}K_M {1e-6 * k[1, 1]:.4g} MN m/rad, "
-        f"K_HM {1e-6 * k[0, 1]:.4g} MN/rad at the lid centre"
+        f"K_H {with_prefix(k[0, 0], 'N/m')}, {vertical}K_M {with_prefix(k[-1, -1], 'N m/rad')}, "
+        f"K_HM {with_prefix(k[0, -1], 'N/rad')} at the lid centre"
     )
 
 

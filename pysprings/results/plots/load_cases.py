@@ -57,9 +57,10 @@ def load_cases(table: pd.DataFrame, springs: AnySprings) -> Figure:
         mark, colour = MARKS.get(str(verdict), ("X", VERMILLION))
         look: Any = {"color": colour, "markersize": 7, "linestyle": "none", "zorder": 4}
         axes.plot(MN * part["V_N"], MN * part["H_N"].abs(), mark, label=f"load case, {verdict}", **look)
-    for row in shown.sort_values("utilisation").drop_duplicates("name").tail(MOST_NAMED).to_dict("records"):
-        place = (MN * row["V_N"], MN * abs(row["H_N"]))
-        axes.annotate(plain(row["name"]), place, (6, 2), textcoords="offset points", fontsize=8, zorder=5)
+    named = shown.sort_values("utilisation").drop_duplicates("name").tail(MOST_NAMED).sort_values("V_N")
+    for k, row in enumerate(named.to_dict("records")):
+        place, beside = (MN * row["V_N"], MN * abs(row["H_N"])), (6, -10 if k % 2 else 3)  # below and above in turn
+        axes.annotate(plain(row["name"]), place, beside, textcoords="offset points", fontsize=8, zorder=5)
     axes.set(xlabel="V [MN], down +", ylabel="H, size [MN]")
     axes.set_ylim(bottom=0.0)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
@@ -89,8 +90,18 @@ def _springs(axes: Axes, springs: AnySprings) -> None:
 
 
 def _capacities(axes: Axes, shown: pd.DataFrame) -> None:
-    """Draw the largest known H of each case, open where it is the end of the range, and the way to it."""
-    known = shown[np.isfinite(shown["H_capacity_N"].astype(float))]
+    """Draw the largest known H of each case, open where it is the end of the range, and the way to it.
+
+    Cases of one load height are joined over V.
+    """
+    known = shown[np.isfinite(shown["H_capacity_N"].astype(float)) & (shown["H_N"] != 0.0)]
+    for arm, part in known.groupby((known["M_Nm"] / known["H_N"]).round(2)):
+        ordered = part.drop_duplicates("V_N").sort_values("V_N")
+        if len(ordered) > 1:
+            ends = MN * ordered["V_N"], MN * ordered["H_capacity_N"].abs()
+            axes.plot(*ends, color=INK, linewidth=1.0, linestyle=":", zorder=2)
+            place = (ends[0].iloc[-1], ends[1].iloc[-1])
+            axes.annotate(f"load at {arm:g} m", place, (6, -3), textcoords="offset points", fontsize=8)
     for row in known.to_dict("records"):
         heights = [MN * abs(row["H_N"]), MN * abs(row["H_capacity_N"])]
         axes.plot([MN * row["V_N"]] * 2, heights, color=GREY, linewidth=0.8, zorder=2)

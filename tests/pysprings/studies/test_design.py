@@ -98,7 +98,7 @@ def test_the_picture_has_cases_springs_and_largest_loads(tmp_path: Path) -> None
     drawn = {str(line.get_label()): np.column_stack(line.get_data()) for line in axes.lines}
     (cases,) = [xy for label, xy in drawn.items() if label.startswith("load case")]
     np.testing.assert_allclose(cases, [[2.0, 0.1], [6.0, 0.05]])
-    assert [text.get_text() for text in axes.texts if text.get_text()] == ["high", "low"]
+    assert [text.get_text() for text in axes.texts if text.get_text()] == ["load at 2 m", "low", "high"]
     upright = sorted(float(line.get_xdata()[0]) for line in axes.lines if str(line.get_ydata()[-1]) == "1")
     model = MacroModel.from_springs(tree)
     ends = [1e-6 * largest_vertical(model, sign)[0] for sign in (1.0, -1.0)]
