@@ -108,7 +108,7 @@ def _cases_of(result: Path) -> Path:
     record = RunRecord.read(next(iter(folders_of(result).values()), result))
     named = None if record is None else parse_scene(record.scene_toml).design.cases
     if named is None:
-        refuse("CASES", "name a table of load cases: the scene of these springs has no [design] cases", result)
+        refuse("CASES", "name a table of load cases: there is no run here whose scene has [design] cases", result)
     if not Path(named).exists():
         refuse("CASES", f"{named}, [design] cases of the run as seen from where it ran, is not there: name the table")
     return Path(named)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import driven
-from pysprings.core.text import number
+from pysprings.core.text import number, with_prefix
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS
@@ -29,8 +29,7 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
     for name, recorded in paths_of(tree).items():
         path = recorded.dataset
         for load, missing in balance(path).items() if path.sizes["step"] else ():
-            unit = "kN m" if load == "M" else "kN"
-            largest = f"{float(np.abs(path[load]).max()) / 1e3 + 0.0:.4g} {unit}"
+            largest = with_prefix(float(np.abs(path[load]).max()), "N m" if load == "M" else "N")
             rows.append((name, load, largest, f"{missing:.1e}"))
     note = (
         "H = sum p dz + H_tip + H_lid; V = sum t dz + V_tip + V_lid; "
@@ -154,8 +153,9 @@ def _range_sentence(name: str, path: Any, length: float) -> str:
     if not good.any():
         return text + "no converged step."
     if driven(path.attrs) == "w":
-        w, V = path["w"].values[good] * 1e3, path["V"].values[good] / 1e3
-        return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {V[0]:.4g} to {V[-1]:.4g} kN."
+        w, V = path["w"].values[good] * 1e3, path["V"].values[good]
+        ends = " to ".join(with_prefix(float(each), "N") for each in V[[0, -1]])
+        return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {ends}."
     text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
     text += f"rotation from {rotation.min() * 1e3:.3g} to {rotation.max() * 1e3:.3g} mrad"
     if np.isfinite(length) and abs(u[-1]) > 0:

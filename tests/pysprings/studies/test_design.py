@@ -90,6 +90,12 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     assert set(table["verdict"]) == {"supported in part"}
 
 
+def test_without_a_table_and_without_a_run_that_names_one_design_is_refused(springs, tmp_path: Path) -> None:
+    done = command("design", save_springs(springs, tmp_path / "springs.nc"))
+    assert done.code == 2
+    assert "CASES: name a table of load cases: there is no run here whose scene has [design] cases" in done.err
+
+
 def test_the_picture_has_cases_springs_and_largest_loads(tmp_path: Path) -> None:
     tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
     file.write_text("name,H [kN],arm [m],V [MN]\nlow,100,2,2\nhigh,50,2,6\n", encoding="utf-8")
