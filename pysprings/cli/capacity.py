@@ -50,7 +50,8 @@ def capacity(
         ),
     ] = None,
     cases: Annotated[
-        Path | None, typer.Option("--cases", metavar="FILE", help="load cases to draw, with their utilisation")
+        Path | None,
+        typer.Option("--cases", metavar="FILE", help="load cases to draw, with their utilisation; or design.cases"),
     ] = None,
     springs: Annotated[
         Path | None, typer.Option("--springs", metavar="RESULT", help="springs beside it, instead of rays of their own")
@@ -81,7 +82,8 @@ def capacity(
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())
     request = _request(read, vertical or [], directions, macro and springs is None, factor or [])
-    given = None if cases is None else read_load_cases(cases).bounded(0.5 * read.caisson.outer_diameter)
+    file = cases or read.design.cases
+    given = None if file is None else read_load_cases(file).bounded(0.5 * read.caisson.outer_diameter)
     model = None if springs is None or not macro else _model(springs)
     chosen = study.scene_of(read, mesh, discretisation)
     try:

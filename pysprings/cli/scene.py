@@ -167,7 +167,8 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
         print("\nbackbone after cycles: a hyperbola from G, then")
         print_table(Table.of(filled(_BACKBONE, rows), rows))
     if rows := about.get("vertical_loads", ()):
-        print("\nsprings by vertical load, with the load cases that each is nearest to:")
+        nearest = ", with the load cases that each is nearest to" if "cases" in rows[0] else ""
+        print(f"\nsprings by vertical load{nearest}:")
         print_table(Table.of(filled(_LOADS, rows), rows))
     if rows := about.get("defaulted", ()):
         print("\ndefaults, which this scene does not give:")

@@ -98,6 +98,14 @@ def test_refusals(scene: Path, change: str, table: str | None, message: str) -> 
     assert line.startswith("fatal: user input: " + message.format(folder=scene.parent, scene=scene))
 
 
+def test_a_table_that_is_not_there_is_refused_before_anything_is_computed(scene: Path) -> None:
+    """Also where no vertical load is taken from it."""
+    scene.write_text(SCENE.replace('"from cases"', '["2 MN"]').replace("loads.csv", "none.csv"), encoding="utf-8")
+    for name in ("check", "run", "capacity"):
+        done = command(name, scene)
+        assert done.code == 2 and done.err.strip() == f"fatal: user input: {scene.parent}/tables/none.csv: no such file"
+
+
 def test_the_word_is_of_scene_files() -> None:
     from pysprings import Scene
 
