@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.cli.guard import explained
-from pysprings.cli.page.sources import ARM, Field, H, M, Source, V, Values, command_line
+from pysprings.cli.page.sources import ARM, Field, H, M, Source, Values, command_line
 from pysprings.cli.predict import Question, way_to_load
+from pysprings.cli.support import quantities
 from pysprings.core.errors import PyspringsError
-from pysprings.core.units import read
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,6 +33,7 @@ Array = NDArray[np.float64]
 DIRECTIONS = 24  # of the half plane of H and M/L; the other half mirrors them
 SHORT = 0.999  # of the largest load, up to which the curve goes on
 SI = {"MN": "N", "MN m": "N m", "m": "m"}
+FATAL = "fatal: user input: "
 SET = {"springs_kind": None, "path": None, "strict": False, "extrapolate": False}
 
 
@@ -47,7 +48,7 @@ class Answer:
     way : states up to the load. onward : states up to the largest known load of its direction.
     model : springs, at the V of the question.
     largest : largest known load along the load. around : along `DIRECTIONS` of the half plane.
-    cases : answers to load cases.
+    cases : answers to load cases, or why there are none.
     """
 
     question: Question | None
@@ -57,7 +58,7 @@ class Answer:
     model: MacroModel | None = None
     largest: Capacities | None = None
     around: Capacities | None = None
-    cases: pd.DataFrame | None = None
+    cases: pd.DataFrame | str | None = None
 
 
 @dataclass
@@ -71,7 +72,6 @@ class Asker:
         """Return the answer to inputs, and to a table of load cases (name, content as a data URI)."""
         try:
             model = self.model(values)
-            cases = None if table is None else self.cases(values, table)
             question = question_of(values, self.source)
         except PyspringsError as error:
             return Answer(None, explained(error)[0])
@@ -84,6 +84,7 @@ class Asker:
                 way, refusal = way_to_load(model, question, SET), ""
             except PyspringsError as error:
                 way, refusal = None, explained(error)[0]
+        cases = None if table is None else self.cases(values, table)
         return Answer(question, refusal, way, onward, model, largest, around, cases)
 
     def _once(self, name: str, key: Any, make: Callable[[], Any]) -> Any:
@@ -103,24 +104,27 @@ class Asker:
         """Return the springs for inputs, built. Raises UserInputError."""
         from pysprings.macro.predict import model_of
 
-        V_ = None if values[V.name] is None else read(V.text(values[V.name] or 0.0), "N", "")
+        V_ = question_of({**values, H.name: 0.0}, self.source).V
         made = self._once(
             "model", (self.source.key(values), V_), lambda: model_of(self.source.springs(values), V=V_)
         )  # fmt: skip
         return cast("MacroModel", made)
 
-    def cases(self, values: Values, table: tuple[str, str]) -> pd.DataFrame:
-        """Return the answers of `pysprings design` to an uploaded table. Raises UserInputError."""
+    def cases(self, values: Values, table: tuple[str, str]) -> pd.DataFrame | str:
+        """Return the answers of `pysprings design` to an uploaded table, or why it refuses them."""
         from pysprings.core.tables.load_cases import read_load_cases
         from pysprings.studies.design import answer_cases
 
-        def make() -> pd.DataFrame:
+        def make() -> pd.DataFrame | str:
             with TemporaryDirectory() as place:
                 file = Path(place) / Path(table[0]).name
                 file.write_bytes(base64.b64decode(table[1].partition(",")[2]))
-                return answer_cases(self.source.springs(values), read_load_cases(file))
+                try:
+                    return answer_cases(self.source.springs(values), read_load_cases(file))
+                except PyspringsError as error:
+                    return explained(error)[0].replace(str(file), file.name)
 
-        return cast("pd.DataFrame", self._once("cases", (self.source.key(values), table), make))
+        return cast("pd.DataFrame | str", self._once("cases", (self.source.key(values), table), make))
 
 
 def given_loads(values: Values, source: Source) -> list[tuple[Field, float]]:
@@ -132,8 +136,9 @@ def given_loads(values: Values, source: Source) -> list[tuple[Field, float]]:
 
 def question_of(values: Values, source: Source) -> Question:
     """Return the question of `predict` that inputs are, read from the texts of its options. Raises UserInputError."""
-    loads = {each.name: read(each.text(value), SI[each.unit], "") for each, value in given_loads(values, source)}
-    return Question(H=loads.get("H"), arm=loads.get("arm"), M=loads.get("M"), V=loads.get("V"))
+    given = {f"--{each.name}": (each.text(value), SI[each.unit], "") for each, value in given_loads(values, source)}
+    loads = quantities(given)
+    return Question(H=loads.get("--H"), arm=loads.get("--arm"), M=loads.get("--M"), V=loads.get("--V"))
 
 
 def command_of(values: Values, source: Source) -> str:
@@ -228,7 +233,7 @@ def remarks(answer: Answer) -> list[tuple[str, str]]:
     from pysprings.cli import predictions
 
     if answer.refusal:
-        return [("refused", answer.refusal.removeprefix("fatal: "))]
+        return [("refused", f"no answer: {answer.refusal.removeprefix(FATAL)}")]
     assert answer.way is not None
     last = answer.way.isel(step=[-1])
     marks = [name for name in predictions.MARKS if name in last and last[name].values[-1]]

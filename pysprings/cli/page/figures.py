@@ -14,13 +14,13 @@ from pysprings.macro.fan_springs import BAND
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, KN, MM, MN, PURPLE, SKY, VERMILLION
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pysprings.scene.model import Scene
 
 Figure = dict[str, Any]
 FONT = {"family": "DejaVu Sans, Verdana, sans-serif", "size": 11, "color": INK}
 REACTIONS = {"p": ("p [kN/m]", BLUE), "m": ("m [kN m/m]", PURPLE), "t": ("t [kN/m]", GREEN)}
+MOST_NAMES = 12  # of loads that are written beside them
+BESIDE = ("top right", "bottom right", "top left", "bottom left")
 PICTURE = (6.4, 3.5)  # inch
 DPI = 150
 
@@ -53,40 +53,38 @@ def dots(x: Any, y: Any, name: str, colour: str, symbol: str, texts: list[str] |
                 marker={"symbol": symbol, "size": size, "color": colour, "line": {"width": 1.5}})  # fmt: skip
 
 
+def room(values: Any, share: float = 0.08) -> list[float]:
+    """Return an axis from 0 or the least to 0 or the largest of values, with room at its ends."""
+    known = [0.0, *np.asarray(values)[np.isfinite(values)]]
+    more = share * (max(known) - min(known)) or 1.0
+    return [min(known) - more, max(known) + more]
+
+
 def load_over_motion(answer: Answer) -> Figure:
     """Draw H over u (M over the rotation without H) up to the largest known load, the answer and its band of 95 %."""
     force = answer.question is None or bool(answer.question.H) or not answer.question.M
-    load, motion, scale = ("H", "u", MM) if force else ("M", "rotation", MM)
+    load, motion = ("H", "u") if force else ("M", "rotation")
     heads = ("u [mm]", "H [MN]") if force else ("rotation [mrad]", "M [MN m]")
-    traces = []
-    for name, states, colour in (("to the largest known load", answer.onward, GREY), ("answer", answer.way, BLUE)):
-        if states is None:
-            continue
-        x, y = scale * states[motion].values, MN * states[load].values
-        if f"{motion}_deviation" in states and name != "answer":
-            traces.append(_band(states, x, y, scale * states[f"{motion}_deviation"].values))
-        traces.append(line(x, y, name, colour))
+    drawn = [each for each in (answer.onward, answer.way) if each is not None]
+    ways = [(MM * each[motion].values, MN * each[load].values) for each in drawn]
+    traces, words = [line(*way, "known", GREY) for way in ways[:1]], ""
+    if drawn and f"{motion}_deviation" in drawn[0]:
+        words = ", band of 95 %"
+        traces.insert(0, _band(*ways[0], MM * drawn[0][f"{motion}_deviation"].values))
     if answer.way is not None:
-        end = answer.way.isel(step=-1)
-        at = scale * float(end[motion]), MN * float(end[load])
-        traces.append(dots([at[0]], [at[1]], "answer", VERMILLION, "circle", ["answer"]))
-    elif answer.question is not None and answer.onward is not None:
-        asked = MN * load_of(answer.question)[0 if force else 1]
-        x = scale * answer.onward[motion].values
-        dashed = {"color": VERMILLION, "width": 2, "dash": "dash"}
-        traces.append(line([0.0, x[-1]], [asked, asked], "no answer", VERMILLION, line=dashed, mode="lines+text",
-                           text=["", "no answer"], textposition="bottom left"))  # fmt: skip
-    band = ", band of 95 %" if any(each["name"] == "band of 95 %" for each in traces) else ""
-    ends = [0.0, *(scale * float(each[motion][-1]) for each in (answer.way, answer.onward) if each is not None)]
-    room = 0.08 * (max(ends) - min(ends)) or 1.0
-    across = {"title": {"text": heads[0]}, "range": [min(ends) - room, max(ends) + room]}
-    return figure(f"Load against motion{band}", traces, xaxis=across, yaxis={"title": {"text": heads[1]}})
+        x, y = ways[-1]
+        traces += [line(x, y, "way", BLUE), dots(x[-1:], y[-1:], "answer", VERMILLION, "circle", ["answer"])]
+    elif answer.question is not None:
+        words += "; no answer to the load"
+    across, along = (room(np.concatenate([[0.0], *(way[k] for way in ways)])) for k in (0, 1))
+    axes = {"xaxis": {"title": {"text": heads[0]}, "range": across}}
+    return figure(f"Load against motion{words}", traces, **axes, yaxis={"title": {"text": heads[1]}, "range": along})
 
 
-def _band(states: xr.Dataset, x: Any, y: Any, deviation: Any) -> Figure:
+def _band(x: Any, y: Any, deviation: Any) -> Figure:
     known = np.isfinite(deviation)
-    x, width, load, sign = x[known], BAND * deviation[known], y[known], np.sign(x[-1])
-    low, high = sign * np.maximum(sign * (x - width), 0.0), x + width * sign  # no motion against the load
+    x, width, load, sign = x[known], BAND * deviation[known], y[known], np.sign(x.sum())
+    low, high = sign * np.maximum(sign * x - width, 0.0), x + sign * width  # no motion against the load
     around = line(np.append(low, high[::-1]), np.append(load, load[::-1]), "band of 95 %", SKY, fill="toself")
     return around | {"line": {"width": 0}, "opacity": 0.4, "hoverinfo": "skip"}
 
@@ -119,17 +117,27 @@ def envelope(answer: Answer) -> Figure:
             at = (kinds == RANGE_END) == ends
             if at.any():
                 traces.append(dots(H[at], M[at], name, GREEN, symbol, size=6))
-    if answer.cases is not None:
-        rows = answer.cases
-        traces.append(dots(MN * rows["H_N"], MN * rows["M_Nm"], "load cases", INK, "square", list(rows["name"]), 6))
-    if answer.question is not None:
-        force, moment = load_of(answer.question)
-        word = "load" if answer.way is not None else "load, no answer"
-        symbol = "circle" if answer.way is not None else "x"
-        traces.append(dots([MN * force], [MN * moment], "load", VERMILLION, symbol, [word]))
+    loads = [] if answer.question is None else [("load", *load_of(answer.question))]
+    if answer.cases is not None and not isinstance(answer.cases, str):
+        loads += zip(answer.cases["name"], answer.cases["H_N"], answer.cases["M_Nm"], strict=True)
+    across, along = (room(each, 0.25) for each in (H, M)) if traces else ([-1.0, 1.0], [-1.0, 1.0])
+    outside = []
+    for k, (name, force, moment) in enumerate(loads):
+        x, y = MN * force, MN * moment
+        if across[0] <= x <= across[1] and along[0] <= y <= along[1]:
+            own = k == 0 and answer.question is not None
+            look = (VERMILLION, "circle" if answer.way is not None else "x") if own else (INK, "square")
+            traces.append(dots([x], [y], name, *look, [name] if len(loads) <= MOST_NAMES else None, 9 if own else 6))
+            traces[-1]["textposition"] = BESIDE[k % len(BESIDE)]
+        else:
+            outside.append(name)
     ends = any(each["name"] == "end of the range" for each in traces)
     title = f"Largest known loads at this V{' (triangles: the springs end there)' if ends else ''}"
-    return figure(title, traces, xaxis={"title": {"text": "H [MN]"}}, yaxis={"title": {"text": "M [MN m]"}})
+    if outside:
+        more = f" and {len(outside) - 3} more" if len(outside) > 3 else ""
+        title = f"Largest known loads; outside the picture: {', '.join(outside[:3])}{more}"
+    axes = {"xaxis": {"title": {"text": "H [MN]"}, "range": across}}
+    return figure(title, traces, **axes, yaxis={"title": {"text": "M [MN m]"}, "range": along})
 
 
 def ground_picture(scene: Scene) -> str:

@@ -19,7 +19,7 @@ from dash import Dash, Input, Output, State, ctx, dcc, html, no_update
 
 from pysprings.cli.page import answers, figures
 from pysprings.cli.page.answers import Answer, Asker
-from pysprings.cli.page.sources import Field, H, Source, Values, command_line
+from pysprings.cli.page.sources import Field, H, RunSource, Source, Values, command_line
 from pysprings.core.errors import PyspringsError
 from pysprings.springs.checks import save_springs
 
@@ -141,7 +141,7 @@ class Page:
                 "texts": [
                     _numbers(answer, source, values), _remarks(answer),
                     no_update if key == drawn else _facts(source, values), answers.command_of(values, source),
-                    _table(answer, table[0]),
+                    _table(answer, source, table[0]),
                 ],
                 "figures": [draw(answer) for draw in GRAPHS.values()],
                 "drawn": no_update if key == drawn else key,
@@ -202,16 +202,18 @@ def _facts(source: Source, values: Values) -> Any:
     return html.Table(html.Tbody([html.Tr([html.Th(name, scope="row"), html.Td(text)]) for name, text in rows]))
 
 
-def _table(answer: Answer, name: str | None) -> Any:
+def _table(answer: Answer, source: Source, name: str | None) -> Any:
     """Return the answers to load cases, as `design` prints them, with its command."""
     from pysprings.results.report import load_cases
 
-    if answer.cases is None:
-        return None
+    if answer.cases is None or isinstance(answer.cases, str):
+        return answer.cases and html.P(answer.cases, className="refused")
     shown = load_cases.table_of(answer.cases.head(MOST_ROWS), brief=True)
     head = html.Thead(html.Tr([html.Th(each, scope="col") for each in shown.columns]))
     body = html.Tbody([html.Tr([html.Td(cell) for cell in row]) for row in shown.rows])
     more = f" (the first {MOST_ROWS} are shown)" if len(answer.cases) > MOST_ROWS else ""
-    command = command_line(["design", "springs.nc", name or ""])
-    return [html.P(f"{load_cases.closing(answer.cases)}{more}"), html.Table([head, body]),
-            html.P([html.Code(command), " on the springs of the download prints the same"])]  # fmt: skip
+    place = str(source.place) if isinstance(source, RunSource) else "springs.nc"
+    command = html.Code(command_line(["design", place, name or ""]))
+    of_file = "" if isinstance(source, RunSource) else ", with springs.nc of the download"
+    closing = html.P(f"{load_cases.closing(answer.cases)}{more}")
+    return [closing, html.Table([head, body]), html.P(["The same in a terminal", of_file, ": ", command])]

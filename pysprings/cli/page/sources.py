@@ -177,7 +177,7 @@ class AtlasSource:
         """Return the numbers that decide, each with what the full models of the atlas cover."""
         here, (low, high) = self.atlas.family.read(self.scene(values)), self.atlas.box
         rows = zip(self.atlas.family.labels, here, low, high, strict=True)
-        return [(name, f"{x:.3g} ({number(float(a), 3)} to {number(float(b), 3)})") for name, x, a, b in rows]
+        return [(name, "{} ({} to {})".format(*(number(float(x)) for x in three))) for name, *three in rows]
 
     def options(self, values: Values) -> list[str]:
         """Return the atlas, the caisson, and values that are not those of its base scene."""

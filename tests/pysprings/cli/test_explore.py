@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 from pysprings.cli.page import answers
@@ -103,7 +104,9 @@ def test_what_predict_refuses_is_refused_in_its_words(clay: AtlasSource, changed
     assert code in (2, 3)
     assert answer.way is None
     assert message.strip().endswith(answer.refusal)
-    assert answers.remarks(answer) == [("refused", answer.refusal.removeprefix("fatal: "))]
+    ((kind, said),) = answers.remarks(answer)
+    assert kind == "refused"
+    assert said.removeprefix("no answer: ") in message
     assert dict(answers.numbers(answer, clay, values))["u"] == "-"
 
 
@@ -138,11 +141,13 @@ def test_load_cases_are_those_of_design(clay: AtlasSource, tmp_path: Path) -> No
     file.write_text(CASES, encoding="utf-8")
     content = f"data:text/csv;base64,{base64.b64encode(file.read_bytes()).decode()}"
     found = Asker(clay).answer(values, ("cases.csv", content)).cases
-    assert found is not None
+    assert isinstance(found, pd.DataFrame)
     own = answer_cases(clay.springs(values), read_load_cases(file))
     assert found.drop(columns="remarks").equals(own.drop(columns="remarks"))
     wrong = Asker(clay).answer(values, ("cases.csv", "data:text/csv;base64," + base64.b64encode(b"name\nx\n").decode()))
-    assert "no column with a load" in wrong.refusal
+    assert isinstance(wrong.cases, str)
+    assert wrong.cases.startswith("fatal: user input: cases.csv:1: no column with a load")
+    assert wrong.way is not None  # the load has its answer
 
 
 def test_ends_of_sliders_are_covered_where_all_else_is_at_its_start() -> None:
@@ -207,10 +212,13 @@ def browser() -> Iterator[Any]:
 
 def opened(browser: Any, address: str) -> Any:
     """The page with its first answer."""
+    asked: list[str] = []
     page = browser.new_page(viewport={"width": 1280, "height": 720})
+    page.on("request", lambda request: asked.append(request.url))
     page.goto(address)
     page.wait_for_selector("#number-u")
     page.wait_for_selector("#load .main-svg")
+    assert all(url.startswith((address, "data:", "blob:")) for url in asked)  # nothing from elsewhere
     return page
 
 
