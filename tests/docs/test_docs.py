@@ -56,6 +56,8 @@ ELSEWHERE = {
     "pysprings ground cpt.gef": "the CPT of a reader: site/test_files.py",
     "pysprings ground cpt.gef --out site.csv": "as above",
     'pysprings ground cpt.ags lab.csv log.xlsx --depth "30 m" --nkt 12,14,16 --out site.csv': "as above",
+    "pysprings explore out": "it serves until Ctrl-C: cli/test_explore.py",
+    "pysprings explore --atlas clay": "as above",
     'pysprings predict rates --u-max "20 mm" --rate "0.5 mm/s"': "springs at two rates: springs/test_rates.py",
 }
 MM = 1.0e-3
