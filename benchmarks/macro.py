@@ -21,10 +21,8 @@ from pysprings import open_table
 from pysprings.cli.inputs import springs_of
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.model import spring_sets
-from pysprings.macro.predict import (
-    MacroModel,
-    curve,
-)
+from pysprings.macro.predict import MacroModel, curve
+from pysprings.springs.springs import Springs
 
 CASES = 10_000
 REPEATS = 20
@@ -88,6 +86,14 @@ def report(springs: xr.DataTree, file: Path) -> None:
     cold = seconds(lambda: subprocess.run(command, capture_output=True, check=True), 5)
     busy = f", load of the machine {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
     print(f"pysprings predict from a cold shell: {ms(cold)}{busy}")
+    load_sets = Springs.of(springs).load_sets
+    if len(load_sets) > 1:
+        arms, V = np.arange(6.0) * float(springs.attrs["outer_diameter_m"]), 0.9 * load_sets[-1].V
+        H = [np.abs(predict_batch(springs, H=1.0, arm=arms, V=each * V)["capacity_H"].values) for each in (1.0, 0.9)]
+        change = 100.0 * np.abs(H[0] / H[1] - 1.0)
+        print(
+            f"V {1e-6 * V:.3g} MN, 10 % less: largest H at 0 to 5 D by {change.min():.2g} to {change.max():.2g} % other"
+        )
 
 
 def main() -> None:

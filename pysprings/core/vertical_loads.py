@@ -25,7 +25,10 @@ def same_loads(values: Array, other: float) -> NDArray[np.bool_]:
 
 
 def close_loads(values: Array | float, other: Array | float) -> NDArray[np.bool_]:
-    """Return which vertical loads [N] are so close to others that lateral springs of one hold for both."""
+    """Return which vertical loads [N] are so close to others that lateral springs of one hold for both.
+
+    `benchmarks.macro` prints how much a tenth of V changes loads.
+    """
     near: NDArray[np.bool_] = np.abs(np.subtract(values, other)) <= np.maximum(
         CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD
     )
