@@ -25,7 +25,8 @@ PAGES = {
 }
 SHEETS = {"workbook-about": 1, "workbook-charts": 6}  # name -> printed page
 MOST_BYTES = 200_000
-COLOURS = 128  # of a picture
+WAIT = "--virtual-time-budget=15000"  # ms, for what a page asks of its server
+COLOURS = 256  # of a picture
 
 
 def browser() -> str:
@@ -36,12 +37,13 @@ def browser() -> str:
     return found
 
 
-def shoot(page: Path, target: Path, width: int = 1300, height: int = 1000) -> Path:
-    """Write a picture of the top of an HTML page; return its path."""
+def shoot(page: Path | str, target: Path, width: int = 1300, height: int = 1000) -> Path:
+    """Write a picture of the top of an HTML page, a file or an address; return its path."""
+    address = page if isinstance(page, str) else page.resolve().as_uri()
     with tempfile.TemporaryDirectory() as place:
         raw = Path(place) / "page.png"
         command = [browser(), "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
-        command += [f"--window-size={width},{height}", f"--screenshot={raw}", page.resolve().as_uri()]
+        command += [f"--window-size={width},{height}", f"--screenshot={raw}", WAIT, address]
         subprocess.run(command, check=True, capture_output=True, timeout=120)
         return shrink(raw, target)
 
@@ -56,6 +58,17 @@ def shrink(raw: Path, target: Path) -> Path:
     if target.stat().st_size > MOST_BYTES:
         raise SystemExit(f"{target}: {target.stat().st_size} bytes, more than {MOST_BYTES}")
     return target
+
+
+def shoot_explored(target: Path) -> Path:
+    """Write a picture of the page of `pysprings explore`; return its path."""
+    line = [sys.executable, "-m", "pysprings", "explore", "--atlas", "clay", "--port", "0"]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        try:
+            return shoot(server.stdout.readline().strip(), target, 1280, 720)
+        finally:
+            server.terminate()
 
 
 def shoot_workbook(file: Path) -> list[Path]:
@@ -79,6 +92,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     run = Path(given[0]) if given else ROOT / "out" / "fan"
     pages = {name: SITE / page for name, page in PAGES.items()} | {"report": run / "report.html"}
     written = [shoot(page, PICTURES / f"{name}.png") for name, page in pages.items() if page.exists()]
+    written.append(shoot_explored(PICTURES / "explore.png"))
     if (run / "springs.xlsx").exists():
         written += shoot_workbook(run / "springs.xlsx")
     for file in written:

@@ -69,21 +69,26 @@ class Asker:
     _kept: dict[str, tuple[Any, Any]] = field(default_factory=dict)
 
     def answer(self, values: Values, table: tuple[str, str] | None = None) -> Answer:
-        """Return the answer to inputs, and to a table of load cases (name, content as a data URI)."""
+        """Return the answer to inputs, and to a table of load cases (name, content as a data URI).
+
+        Errors are answers, those of the program too, so that no earlier answer stays beside other inputs.
+        """
         try:
-            model = self.model(values)
-            question = question_of(values, self.source)
-        except PyspringsError as error:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # they are attributes of an answer, too
+                return self._answer(values, table)
+        except Exception as error:
             return Answer(None, explained(error)[0])
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # they are attributes of the answer, too
-            key, direction = (self.source.key(values), question.V), _direction(question)
-            largest, onward = self._once("onward", (key, direction), lambda: _onward(model, direction, question.V))
-            around = self._once("around", key, lambda: _around(model, question.V))
-            try:
-                way, refusal = way_to_load(model, question, SET), ""
-            except PyspringsError as error:
-                way, refusal = None, explained(error)[0]
+
+    def _answer(self, values: Values, table: tuple[str, str] | None) -> Answer:
+        model, question = self.model(values), question_of(values, self.source)
+        key, direction = (self.source.key(values), question.V), _direction(question)
+        largest, onward = self._once("onward", (key, direction), lambda: _onward(model, direction, question.V))
+        around = self._once("around", key, lambda: _around(model, question.V))
+        try:
+            way, refusal = way_to_load(model, question, SET), ""
+        except PyspringsError as error:
+            way, refusal = None, explained(error)[0]
         cases = None if table is None else self.cases(values, table)
         return Answer(question, refusal, way, onward, model, largest, around, cases)
 
@@ -121,7 +126,7 @@ class Asker:
                 file.write_bytes(base64.b64decode(table[1].partition(",")[2]))
                 try:
                     return answer_cases(self.source.springs(values), read_load_cases(file))
-                except PyspringsError as error:
+                except Exception as error:
                     return explained(error)[0].replace(str(file), file.name)
 
         return cast("pd.DataFrame | str", self._once("cases", (self.source.key(values), table), make))

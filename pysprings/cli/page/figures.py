@@ -100,7 +100,7 @@ def by_depth(answer: Answer) -> Figure:
         own = f"x{k + 1}" if k else "x"
         traces.append(line(KN * values, depth, words, colour, xaxis=own, mode="lines+markers", marker={"size": 5}))
         axes[f"xaxis{k + 1}" if k else "xaxis"] = {
-            "title": {"text": words}, "domain": [k * width + 0.03 * bool(k), (k + 1) * width - 0.02], "nticks": 4,
+            "title": {"text": words}, "domain": [k * width + 0.04 * bool(k), (k + 1) * width - 0.03], "nticks": 3,
             "tickangle": 0, "rangemode": "tozero",
         }  # fmt: skip
     return figure("Reactions by depth, of the answer" if found else "Reactions by depth: no answer", traces, **axes)

@@ -10,6 +10,7 @@ import io
 import threading
 import zipfile
 from contextlib import suppress
+from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -34,7 +35,7 @@ HTML = """<!DOCTYPE html>
 
 def application(source: Source) -> Dash:
     """Return the page as an application."""
-    app = Dash("pysprings", title=f"pysprings: {source.title}", update_title="", index_string=HTML,
+    app = Dash("pysprings", title=escape(f"pysprings: {source.title}"), update_title="", index_string=HTML,
                assets_folder=str(Path(__file__).parent / "assets"))  # fmt: skip
     app.server.config.update(TRUSTED_HOSTS=["127.0.0.1", "localhost"], MAX_CONTENT_LENGTH=4 * MOST_BYTES)
     app.layout = layout(source)

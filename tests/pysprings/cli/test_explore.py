@@ -12,6 +12,7 @@ import warnings
 import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -165,8 +166,33 @@ def test_ends_of_sliders_are_covered_where_all_else_is_at_its_start() -> None:
 def test_commands_that_are_not_enough(run_folder: Path) -> None:
     assert "give the folder of a run" in command("explore").err
     assert command("explore", run_folder, "--atlas", "clay").code == 2
+    pytest.importorskip("dash")
     done = command("explore", run_folder / "none")
     assert done.code == 2
+
+
+def test_titles_are_texts_and_other_hosts_are_refused(run_folder: Path) -> None:
+    pytest.importorskip("dash")
+    from pysprings.cli.page.page import application
+
+    source = replace(RunSource.of(run_folder), title="</title><script>alert(1)</script>")
+    client = application(source).server.test_client()
+    page = client.get("/").text
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert" in page
+    assert '<html lang="en">' in page
+    assert client.get("/", headers={"Host": "elsewhere.example"}).status_code == 400  # a name that resolves to here
+
+
+def test_an_error_of_the_program_leaves_no_earlier_answer(run_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = RunSource.of(run_folder)
+    asker = Asker(source)
+    assert asker.answer(start(source, H=0.1)).way is not None
+    monkeypatch.setattr(answers, "way_to_load", lambda *_: 1 / 0)
+    answer = asker.answer(start(source, H=0.2))
+    assert answer.way is None
+    assert "fatal: bug: ZeroDivisionError" in answer.refusal
+    assert dict(answers.numbers(answer, source, start(source, H=0.2)))["u"] == "-"
 
 
 def test_a_port_in_use_is_refused(run_folder: Path) -> None:
