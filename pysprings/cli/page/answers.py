@@ -33,7 +33,6 @@ Array = NDArray[np.float64]
 DIRECTIONS = 24  # of the half plane of H and M/L; the other half mirrors them
 SHORT = 0.999  # of the largest load, up to which the curve goes on
 SI = {"MN": "N", "MN m": "N m", "m": "m"}
-FATAL = "fatal: user input: "
 SET = {"springs_kind": None, "path": None, "strict": False, "extrapolate": False}
 
 
@@ -238,7 +237,7 @@ def remarks(answer: Answer) -> list[tuple[str, str]]:
     from pysprings.cli import predictions
 
     if answer.refusal:
-        return [("refused", f"no answer: {answer.refusal.removeprefix(FATAL)}")]
+        return [("refused", f"no answer: {answer.refusal.removeprefix('fatal: ').removeprefix('user input: ')}")]
     assert answer.way is not None
     last = answer.way.isel(step=[-1])
     marks = [name for name in predictions.MARKS if name in last and last[name].values[-1]]

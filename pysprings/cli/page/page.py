@@ -149,11 +149,11 @@ class Page:
             }  # fmt: skip
 
     def pictured(self, _drawn: Any, typed: list[Any]) -> Any:
-        """Return the picture of caisson and ground."""
+        """Return the picture of caisson and ground; None for a scene that is refused."""
         with self.alone, suppress(PyspringsError):
             scene = self.source.scene(self.values(typed))
-            return no_update if scene is None else figures.ground_picture(scene)
-        return no_update
+            return None if scene is None else figures.ground_picture(scene)
+        return None
 
     def saved(self, _clicks: Any, typed: list[Any]) -> Any:
         """Return an archive of the scene, its springs, and the command of the answer; none where it is refused."""
@@ -199,7 +199,7 @@ def _facts(source: Source, values: Values) -> Any:
     try:
         rows = source.facts(values)
     except PyspringsError:
-        return no_update
+        return None  # no earlier ones beside other inputs
     return html.Table(html.Tbody([html.Tr([html.Th(name, scope="row"), html.Td(text)]) for name, text in rows]))
 
 

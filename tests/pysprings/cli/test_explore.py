@@ -184,6 +184,18 @@ def test_titles_are_texts_and_other_hosts_are_refused(run_folder: Path) -> None:
     assert client.get("/", headers={"Host": "elsewhere.example"}).status_code == 400  # a name that resolves to here
 
 
+def test_nothing_of_an_earlier_caisson_stays_beside_a_refused_one(clay: AtlasSource) -> None:
+    pytest.importorskip("dash")
+    from pysprings.cli.page.page import Page, _facts
+
+    page = Page(clay)
+    good, bad = start(clay, H=0.1), start(clay, H=0.1, D=-1.0)
+    assert _facts(clay, good) is not None
+    assert page.pictured(None, list(good.values())).startswith("data:image/png;base64,")
+    assert _facts(clay, bad) is None
+    assert page.pictured(None, list(bad.values())) is None
+
+
 def test_an_error_of_the_program_leaves_no_earlier_answer(run_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = RunSource.of(run_folder)
     asker = Asker(source)
