@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-import logging
-import socket
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from pysprings.cli.atlas import SHIPPED_ATLASES
 from pysprings.cli.support import refuse, to_stderr
+
+if TYPE_CHECKING:
+    import socket
 
 PORT = 8050
 HOST = "127.0.0.1"
@@ -35,6 +36,8 @@ def explore(
     """
     if (result is None) == (atlas is None):
         refuse("OUT", "give the folder of a run (or its springs.nc), or --atlas NAME")
+    import logging
+
     from werkzeug.serving import make_server
 
     from pysprings.cli.page.page import application
@@ -52,6 +55,8 @@ def explore(
 
 def bound(port: int) -> socket.socket:
     """Return a socket bound to a port of this machine (0: a free one); refuse one that is in use."""
+    import socket
+
     taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:

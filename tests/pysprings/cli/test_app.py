@@ -23,7 +23,7 @@ from tests.support.commands import command, environment, run_python
 @pytest.mark.parametrize("args", [["--help"], ["--version"], ["run", "--help"], ["predict", "--help"]])
 def test_help_loads_nothing_heavy(args: list[str]) -> None:
     """typer itself may bring pydantic; everything else heavy, and our own models, must stay out."""
-    heavy = {"numpy", "scipy", "pandas", "xarray", "numba", "matplotlib", "pint", "netCDF4", "fe_engine"}
+    heavy = {"dash", "numpy", "scipy", "pandas", "xarray", "numba", "matplotlib", "pint", "netCDF4", "fe_engine"}
     code = (
         f"import sys; sys.argv = ['pysprings', *{args!r}]\n"
         "from pysprings.cli.app import main\n"
