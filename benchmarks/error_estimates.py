@@ -2,14 +2,15 @@
 """Do the own error estimates of runs cover the truth? Held-out scenes, at small meshes and on finer ones.
 
     python -m benchmarks.error_estimates [--fourier] [--out out/error-estimates] [--truth medium:0.7 medium medium:1.4]
-        [--at coarse:0.6 coarse] [--scene NAME ...] [--reach 1.0] [--table FILE]
+        [--at coarse:0.6 coarse] [--scene NAME ... | --clay] [--reach 1.0] [--table FILE]
 
 The truth of a scene is extrapolated from the meshes of `--truth` as in `pysprings accuracy` (the finest as it is where
 no order can be fitted), the estimate is that of `pysprings run --estimate-error` at each mesh of `--at`. Prints a line
 a scene and mesh, then how often the estimate covers the error (asked: nine times in ten), the safety factor with
 which it just would, and the median of estimate over truth. What has run is kept in the folder; the same command goes
 on. ``--table`` writes the table of the evidence. For bricks nothing was fitted to these scenes; for Fourier series
-(`--fourier`) the settings were chosen with all scenes at hand but those of LATER, which were drawn afterwards.
+(`--fourier`) the settings were chosen with all scenes at hand but those of LATER and CLAY (`--clay`: these alone),
+which were drawn afterwards.
 """
 
 import argparse
@@ -46,6 +47,7 @@ MESHES = {
     False: (("medium:0.7", "medium", "medium:1.4"), ("coarse:0.6", "coarse")),
     True: (("fourier-medium@5", "fourier-medium:1.4@5", "fourier-medium:2@5"), ("fourier-coarse",)),
 }
+CLAY_TRUTH = ("fourier-medium:0.8@7", "fourier-medium:1.1@7", "fourier-medium:1.5@7")
 DEG = math.pi / 180.0
 OUTPUT = {"interface_fields": False, "section": False, "figures": False}
 
@@ -92,10 +94,32 @@ def drawn(name: str, number: int, seed: int) -> dict[str, dict[str, Any]]:
     return scenes
 
 
+# Total stress, every second with a gap. m, L/D, su at mudline kPa, k D/su, G/su, adhesion, arm over D, displacement
+# over D
+CLAY, SOFTEST, STIFFEST = ("clay", 20, 2611), (4, 0.25, 2, 0, 100, 0.3, 0, 0.005), (14, 1.5, 30, 6, 800, 1, 5, 0.05)
+
+
+def clays(name: str, number: int, seed: int) -> dict[str, dict[str, Any]]:
+    """Return scenes of clay of a Latin hypercube."""
+    points = qmc.scale(qmc.LatinHypercube(len(SOFTEST), seed=seed).random(number), SOFTEST, STIFFEST)
+    scenes = {}
+    for k, (d, ratio, su, growth, stiffness, alpha, arm, reach) in enumerate(points.round(4).tolist()):
+        layer = {
+            "top": 0.0, "name": "clay", "law": "tresca", "poisson_ratio": 0.49, "effective_unit_weight": 7e3,
+            "undrained_shear_strength": {"top": 1e3 * su, "gradient": 1e3 * su * growth / d},
+            "rigidity_ratio": stiffness,
+        }  # fmt: skip
+        scenes[f"{name}-{k + 1}"] = caisson(d, ratio) | {
+            "soil": {"surcharge": 0.0, "layer": [layer]}, "path": pull(1e3 * reach * d, arm * d),
+            "interface": {"adhesion_factor": alpha, "opening": ("vented", "bonded")[k % 2]},
+        }  # fmt: skip
+    return scenes
+
+
 WATER = {"drainage": {"mode": "coupled"}}
 
 # Drawn by hand over the ranges that designers use; none is the scene of the study.
-SCENES: dict[str, dict[str, Any]] = drawn(*DRAWN) | drawn(*LATER) | {
+SCENES: dict[str, dict[str, Any]] = drawn(*DRAWN) | drawn(*LATER) | clays(*CLAY) | {
     "small-stiff": caisson(3.0, 0.5) | soil(32, 120, 1.0) | {"path": pull(2.0)},
     "large-flat": caisson(15.0, 0.3) | soil(35, 80, 1.0) | {"path": pull(10.0, arm=10.0)},
     "long": caisson(6.0, 1.0) | soil(30, 60, 0.8, friction_angle_initial=10 * DEG) | {"path": pull(6.0)},
@@ -125,7 +149,7 @@ def scene_of(name: str, reach: float) -> Scene:
         for key in ("lateral_displacement", "rotation"):
             if key in path:
                 path[key] = reach * path[key]
-    soil = PAPER_SOIL | values.get("soil", {})
+    soil = ({} if name.startswith(CLAY[0]) else PAPER_SOIL) | values.get("soil", {})
     given = {"title": name, "domain": PAPER, "output": OUTPUT} | values | {"path": paths, "soil": soil}
     return Scene.model_validate(given)
 
@@ -279,13 +303,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--fourier", action="store_true", help="meshes of Fourier series")
     parser.add_argument("--truth", nargs="+", help="meshes of the extrapolation")
     parser.add_argument("--at", nargs="+", help="meshes whose estimates are judged")
-    parser.add_argument("--scene", nargs="+", choices=tuple(SCENES), default=list(SCENES))
+    sand = [name for name in SCENES if not name.startswith(CLAY[0])]
+    parser.add_argument("--scene", nargs="+", choices=tuple(SCENES), default=sand)
+    parser.add_argument("--clay", action="store_true", help="the scenes of clay alone, by series")
     parser.add_argument("--reach", type=float, default=1.0, help="share of each push")
     parser.add_argument("--table", type=Path, help="CSV file of the evidence")
     options = parser.parse_args(arguments)
     warnings.simplefilter("ignore")  # a run's own warnings are in its record
     lines = []
-    truth, at = MESHES[options.fourier]
+    truth, at = MESHES[options.fourier or options.clay]
+    if options.clay:
+        options.scene, truth = list(clays(*CLAY)), CLAY_TRUTH
     for name in options.scene:
         lines += lines_of(name, options.at or at, options.truth or truth, options.reach, options.out)
         print(f"{name} done", flush=True)

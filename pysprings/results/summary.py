@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
 from pysprings.scene.model import caisson_text, ground_text
 from pysprings.springs.card import stiffness_words
+from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -265,16 +266,9 @@ def _mesh_limits(estimate: Mapping[str, Any]) -> list[str]:
 
 
 def _lateral(run: Run) -> list[tuple[str, xr.Dataset]]:
-    """Return the converged states of the paths that move the caisson sideways, by name."""
-    given = run.result["paths"].children if "paths" in run.result.children else {}
-    return [(name, states) for name, states in _converged(given) if states.sizes["step"] > 1]
-
-
-def _converged(given: object) -> Iterator[tuple[str, xr.Dataset]]:
-    for name, group in dict(given).items():  # type: ignore[call-overload]
-        path = group.to_dataset(inherit=False)
-        if PATH_KINDS[str(path.attrs["kind"])].drives != "w":
-            yield name, path.isel(step=np.flatnonzero(path["converged"].values == 1))
+    """Return the converged states of the paths that move the caisson sideways, by name, extrapolated where they are."""
+    paths = [path for path in paths_of(run.result).values() if path.rules.drives != "w"]
+    return [(path.name, path.dataset) for path in paths if path.dataset.sizes["step"] > 1]
 
 
 def _is_fan(run: Run) -> bool:

@@ -328,7 +328,8 @@ def _recorded(node: xr.DataTree, of_mesh: bool) -> xr.Dataset:
     if of_mesh or EXTRAPOLATED not in node.children:
         return own
     better = node.children[EXTRAPOLATED].to_dataset(inherit=False)
-    return own.assign(better.data_vars).assign_attrs(better.attrs)
+    values = {name: better.variables[name] for name in better.data_vars}  # without coordinates: nothing to align
+    return own.assign(values).assign_attrs(better.attrs)
 
 
 # --- directions in the plane (u, rotation*L), L the skirt length ---

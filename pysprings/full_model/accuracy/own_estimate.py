@@ -2,8 +2,9 @@
 """Adds to a result the estimate of its own discretisation error: runs the coarser mesh and sets both side by side.
 
 It comes after the result, which is kept however this ends. A Fourier series is run on the coarser mesh with N and, a
-few paths of it, with N + 2 harmonics, N growing by two until both agree: where that asks for more than the result has,
-the scene runs again. Its paths are extrapolated from both meshes (`extrapolation`).
+few paths of it, with N + 2 harmonics. Where both differ, all paths are run with N + 2, and the difference is added to
+the result's reactions; what that leaves may ask for more harmonics, and the scene runs again. Its paths are
+extrapolated from both meshes (`extrapolation`).
 """
 
 from __future__ import annotations
@@ -35,15 +36,13 @@ if TYPE_CHECKING:
 
 Compute = Callable[..., Computed]
 PHASE = "error estimate"  # also its name among the parts of a run that were not made
-# %: difference of load and p(y) between N and N + 2 harmonics below which N are enough. The section's own error is far
-# larger on the coarser presets (docs/evidence/accuracy.md).
+# %: difference of load and p(y) between N and N + 2 harmonics below which N are enough, and what adding it may leave.
+# The section's own error is far larger on the coarser presets (docs/evidence/accuracy.md).
 ENOUGH = {"coarse": 2.0, "medium": 1.0}
 ENOUGH_ELSE = 0.5
 MOST = 9  # harmonics that are tried
-LONGEST, AT_LEAST = (
-    5.0,
-    300.0,
-)  # wall time of the runs beside over that of the run itself, and that they have always [s]
+# Wall time of the runs beside over that of the run itself, and what they have always [s]
+LONGEST, AT_LEAST = 5.0, 300.0
 TOO_LONG = f"it took more than {LONGEST:g} times the run itself, and 5 minutes"
 
 
@@ -53,8 +52,8 @@ class Companions:
 
     Attributes
     ----------
-    trees, richer : whole runs, and runs of a few paths with two harmonics more.
-    harmonics : the number that was chosen.
+    trees, richer : whole runs, and runs with two harmonics more.
+    harmonics : the number that was chosen; whole : whether the run with two more has all paths.
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
     checkpoints : of the run that they stand beside.
@@ -64,6 +63,7 @@ class Companions:
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
     richer: dict[int | None, xr.DataTree] = field(default_factory=dict)
     harmonics: int | None = None
+    whole: bool = False
     why_not: str = ""
     stopped: dict[str, str] = field(default_factory=dict)
     again: bool = False
@@ -135,17 +135,36 @@ def _choose(
     """Raise the harmonics on the coarser mesh until two more of them change little."""
     from pysprings.model.fourier import section_counts_of
 
-    n = chosen or section_counts_of(scene).harmonics
-    while run(coarse.replace(mesh={"harmonics": n}), n, companions.trees):
+    n, some = chosen or section_counts_of(scene).harmonics, two_mesh.few(coarse)
+    most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
+
+    def beside(of: Scene) -> bool:
+        companions.whole = of is coarse
+        return run(of.replace(mesh={"harmonics": n + 2}), n + 2, companions.richer)
+
+    while n in companions.trees or run(coarse.replace(mesh={"harmonics": n}), n, companions.trees):
         companions.harmonics = n
-        if not run(two_mesh.few(coarse).replace(mesh={"harmonics": n + 2}), n + 2, companions.richer):
+        if not beside(some):
             return
-        change = two_mesh.difference(companions.richer[n + 2], companions.trees[n]) or {}
-        most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
-        enough = not any(change.get(name, 0.0) > most for name in two_mesh.DECISIVE)  # NaN: not on these paths
+        enough = not any(size > most for size in _changes(companions, n, 1.0))
+        if not enough and not companions.whole and not beside(coarse):
+            return
+        enough = enough or not any(size > most for size in _changes(companions, n, two_mesh.LEFT))
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2
+        companions.trees[n] = companions.richer[n]
+
+
+def _changes(companions: Companions, n: int, left: float) -> list[float]:
+    """Return what two harmonics more than n change [%], the share ``left`` of it where adding it to a path helps."""
+    richer = companions.richer[n + 2]
+    planar = paths_of(richer, of_mesh=True)
+    return [
+        each.get(name, 0.0) * (left if path in planar else 1.0)  # NaN: not on this path
+        for path, each in two_mesh.differences(richer, companions.trees[n]).items()
+        for name in two_mesh.DECISIVE
+    ]
 
 
 def _run(
@@ -161,7 +180,8 @@ def _run(
         if progress is not None:
             progress(f"coarser mesh{beside}, {at}", share, text)
 
-    saved, name = companions.checkpoints, f"{key or 'bricks'}{'' if into is companions.trees else 'few'}"
+    saved = companions.checkpoints
+    name = f"{key or 'bricks'}{'' if into is companions.trees or companions.whole else 'few'}"
     kept = {} if saved is None else {"checkpoints": saved.companion(name), "resume": None}
     before = time.process_time()
     coarse = compute(scene, progress=report, **kept)
@@ -236,7 +256,9 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
     given: dict[str, Any] = {"ratio": ratio, "richer": None if n is None else companions.richer.get(n + 2)}
     if ratio is not None and ratio > extrapolation.LEAST_RATIO:
-        made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio)
+        made, given["extrapolated"] = _extrapolated(
+            scene, result, coarse, ratio, given["richer"] if companions.whole else None
+        )
     estimate = two_mesh.estimate(result.tree, coarse, **given)
     covered = given.get("extrapolated", {}).get("paths", ())
     stopped = {name: why for name, why in companions.stopped.items() if name not in covered}
@@ -251,19 +273,25 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     return made
 
 
-def _extrapolated(scene: Scene, result: Computed, coarse: xr.DataTree, ratio: float) -> tuple[Computed, dict[str, Any]]:
+def _extrapolated(
+    scene: Scene, result: Computed, coarse: xr.DataTree, ratio: float, richer: xr.DataTree | None
+) -> tuple[Computed, dict[str, Any]]:
     """Return a result with extrapolated paths, and how they were extrapolated, as run.json has it."""
     order = extrapolation.ORDERS[ground_of_sections(scene)]
     share = extrapolation.share_of(ratio, order)
-    tree, not_alike = extrapolation.extrapolated(result.tree, coarse, share)
+    tree, not_alike, corrected = extrapolation.extrapolated(result.tree, coarse, share, richer)
     record, paths = result.record, paths_of(tree)
     names = [name for name in paths if name not in not_alike]
     if names:
         sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, coarse))
         record.remarks.append(f"reactions extrapolated from meshes of {sizes} unknowns (order {order:g})")
+    if corrected and richer is not None:
+        record.remarks.append(f"reactions with what {richer.attrs['harmonics']} harmonics change on the coarser mesh")
     record.remarks += [f"path {name} has the reactions of one mesh: {why}" for name, why in not_alike.items()]
     tree.attrs["remarks"] = "; ".join(record.remarks)
     for name in names:
         record.paths[name] = record.paths[name].ending_at(paths[name].dataset)
-    how = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
+    how: dict[str, Any] = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
+    if corrected:
+        how["harmonics_added"] = corrected
     return replace(result, tree=tree), how

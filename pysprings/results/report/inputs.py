@@ -15,6 +15,7 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.full_model.run_record import MeshFigures, PathFigures, RunRecord
 from pysprings.scene.defaults import value_text
+from pysprings.springs.path import paths_of
 
 # Parts of the page in their order; "path" is repeated for each path.
 Section = Literal[
@@ -48,9 +49,9 @@ class ReportData:
         return {} if self.run is None else self.run.paths
 
     @property
-    def paths(self) -> dict[str, Any]:
-        """Groups of the paths by name."""
-        return dict(self.result["paths"].children) if "paths" in self.result.children else {}
+    def paths(self) -> dict[str, xr.Dataset]:
+        """All steps of the paths by name, extrapolated where they are."""
+        return {name: path.recorded for name, path in paths_of(self.result).items()}
 
 
 @dataclass(frozen=True, slots=True)

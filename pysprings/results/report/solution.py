@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from pysprings.core.columns import Table
 from pysprings.core.path_kinds import PATH_KINDS
@@ -14,11 +15,12 @@ from pysprings.full_model.ring_measure import contact_alternation
 from pysprings.full_model.run_record import PathFigures
 from pysprings.results.analysis.parts import attempts, failed_steps, openings
 from pysprings.results.report.inputs import ReportTable
+from pysprings.springs.path import paths_of
 
 
-def convergence_table(paths: Mapping[str, Any], figures: Mapping[str, PathFigures] = MappingProxyType({})) -> Table:
+def convergence_table(result: xr.DataTree, figures: Mapping[str, PathFigures] = MappingProxyType({})) -> Table:
     """Count increments, iterations and cut-backs by path, with the worst residual that was accepted."""
-    rows = [(name, *_convergence_row(path, figures.get(name))) for name, path in paths.items()]
+    rows = [(name, *_convergence_row(result[f"paths/{name}"], figures.get(name))) for name in paths_of(result)]
     columns = (
         "path",
         "increments",
@@ -80,11 +82,11 @@ def cut_back_table(figures: Mapping[str, PathFigures]) -> Table | None:
     return Table("Attempts given up (cut-backs)", columns, rows, note, wide=True) if rows else None
 
 
-def ring_table(paths: Mapping[str, Any]) -> Table:
+def ring_table(paths: Mapping[str, xr.Dataset]) -> Table:
     """State, path by path, whether contact pressure and opening alternate around the rings of the skirt."""
     rows = []
     for name, path in paths.items():
-        alternation = contact_alternation(path.to_dataset())
+        alternation = contact_alternation(path)
         if alternation is None:
             rows.append((name, *["not measured: interface fields were not kept"] * 3))
             continue
@@ -106,11 +108,10 @@ def ring_table(paths: Mapping[str, Any]) -> Table:
     return Table("Contact from station to station", columns, rows, note)
 
 
-def end_table(paths: Mapping[str, Any]) -> Table | None:
+def end_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     """List loads and motion at the last converged step of every path, and how it ended; None without paths."""
     rows = []
-    for name, group in paths.items():
-        path = group.to_dataset(inherit=False)
+    for name, path in paths.items():
         good = np.flatnonzero(path["converged"].values.astype(bool))
         last = int(good[-1]) if good.size else 0
         values = [_clean(path, key, last, factor) for key, factor in _END]
@@ -140,11 +141,11 @@ def _clean(path: Any, key: str, step: int, factor: float) -> str:
 TILTS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine
 
 
-def tilt_table(paths: Mapping[str, Any]) -> Table | None:
+def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     """List H and M at limits of tilt on each path with a free head; None without such a path."""
     rows = []
-    for name, group in paths.items():
-        kind, path = PATH_KINDS.get(str(group.attrs.get("kind"))), group.to_dataset(inherit=False)
+    for name, path in paths.items():
+        kind = PATH_KINDS.get(str(path.attrs.get("kind")))
         if kind is None or not kind.free_head or "arm_from_m" in path.attrs:
             continue
         good = path["converged"].values.astype(bool)
@@ -167,11 +168,10 @@ def _at_tilt(limit: float, turn: np.ndarray, path: Any, good: np.ndarray) -> tup
     return H, M
 
 
-def opening_table(paths: Mapping[str, Any]) -> Table | None:
+def opening_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     """List the widest gap at the last converged step of each path; None where interface fields were not kept."""
     rows = []
-    for name, group in paths.items():
-        path = group.to_dataset(inherit=False)
+    for name, path in paths.items():
         good = np.flatnonzero(path["converged"].values.astype(bool))
         if "gap" in path and good.size:
             widest = max(openings(path, int(good[-1])), key=lambda each: each.width)
@@ -183,7 +183,7 @@ def _opening(opening: Any) -> str:
     return f"{opening.width * 1e3:.3g} mm at {opening.place}"
 
 
-CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.paths, data.figures)])
+CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.result, data.figures)])
 CUT_BACKS = ReportTable("cut-backs", "checks", lambda data: [cut_back_table(data.figures)])
 RINGS = ReportTable("rings", "checks", lambda data: [ring_table(data.paths)])
 END = ReportTable("end", "capacity", lambda data: [end_table(data.paths)])

@@ -2,7 +2,6 @@
 """For what the numbers of a run hold: balances, calibrated ranges, measured errors, estimated errors."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -126,8 +125,8 @@ def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
     sentences = []
     behaviour = result.attrs.get("caisson_behaviour", "rigid")
     length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
-    for name, path in result["paths"].children.items() if "paths" in result.children else ():
-        sentences.append(_range_sentence(name, path, length) + _end_sentence(name, path))
+    for name, path in paths_of(result).items():
+        sentences.append(_range_sentence(name, path.recorded, length) + _end_sentence(name, path.recorded))
     return [
         *sentences,
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
@@ -140,13 +139,13 @@ def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
     ]
 
 
-def _end_sentence(name: str, path: Any) -> str:
+def _end_sentence(name: str, path: xr.Dataset) -> str:
     """Return a sentence on a path that did not come to its aim; empty for others."""
-    end = end_of(name, path.to_dataset(inherit=False))
+    end = end_of(name, path)
     return f" It {end.words}." if end.failed else ""
 
 
-def _range_sentence(name: str, path: Any, length: float) -> str:
+def _range_sentence(name: str, path: xr.Dataset, length: float) -> str:
     good = path["converged"].values.astype(bool)
     u, rotation = path["u"].values[good] + 0.0, path["rotation"].values[good] + 0.0  # no -0
     text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "

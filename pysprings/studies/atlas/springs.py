@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.variables import EXTRAPOLATED
 from pysprings.core.version import __version__
 from pysprings.springs.checks import SCHEMA
 from pysprings.springs.springs import SPREAD
@@ -28,8 +29,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 _NOTHING = 1e-9  # of rho: w that is rounding
 _CLOSE = 0.05  # share by which knots differ at the least
-# of full models of clay on the mesh 'coarse': share by which their loads may be high, over X
+# of full models of clay on the mesh 'coarse': share by which their loads may be high, over X; what is left of it once
+# they are extrapolated (docs/evidence, "Sections")
 MESH_ERROR = ((0.02, 0.3, 20.0), (0.045, 0.105, 0.29))
+MESH_LEFT = 0.033
 OF_MESH = (
     "made on mesh 'coarse': in clay loads are up to 25 % high at collapse, and the rotation under a load is up to a "
     "third low near it; the deviations include it: confirm by a run on a finer mesh"
@@ -66,12 +69,19 @@ def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
 
 
 def mesh_words(atlas: Atlas) -> str:
-    """Return words on the mesh of the full models of an atlas; empty where they are not of clay on the mesh coarse."""
-    return OF_MESH if atlas.base.mesh.preset == "coarse" and atlas.about.get("drainage") == "total-stress" else ""
+    """Return words on the mesh of the full models of an atlas; empty but for clay on one mesh, `coarse`."""
+    clay = atlas.about.get("drainage") == "total-stress"
+    return OF_MESH if clay and atlas.base.mesh.preset == "coarse" and not _is_extrapolated(atlas) else ""
+
+
+def _is_extrapolated(atlas: Atlas) -> bool:
+    return atlas.about.get("mesh", "").endswith(EXTRAPOLATED)
 
 
 def _mesh_error(atlas: Atlas, X: Array) -> Array:
     """Return one standard deviation of the loads at motions X (n,) that their mesh makes, over the loads."""
+    if _is_extrapolated(atlas):
+        return np.full(X.shape, MESH_LEFT / _BAND)
     at, shares = MESH_ERROR
     return np.interp(np.log(X), np.log(at), shares) / _BAND * bool(mesh_words(atlas))
 

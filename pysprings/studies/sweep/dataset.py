@@ -159,7 +159,7 @@ def _map(figure: Figure, plot: Any, axes: tuple[xr.DataArray, xr.DataArray], val
 
 
 FILE = "study.nc"
-SCHEMA = "pysprings-study-2"
+SCHEMA = "pysprings-study-3"
 _STATE_UNITS = {
     "u": "m", "w": "m", "rotation": "rad", "H": "N", "V": "N", "M": "N m", "H_tip": "N", "M_tip": "N m", "V_tip": "N",
     "H_lid": "N", "M_lid": "N m", "V_lid": "N", "p": "N/m", "m": "N m/m", "t": "N/m",

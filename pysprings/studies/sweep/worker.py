@@ -239,12 +239,12 @@ def write_ended(folder: Path, ended: Ended) -> None:
 def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
     """Run the full model; return status, reason and the number of the scene."""
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.folder import Writing, run_or_go_on
+    from pysprings.results.folder import Writing, run_to_folder
 
     scene = parse_scene(task.scene)
     with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
         warnings.simplefilter("ignore")
-        run_or_go_on(scene, folder, writing=Writing(springs_alone=not task.keep_all))
+        run_to_folder(scene, folder, resume=None, writing=Writing(springs_alone=not task.keep_all))
     record = RunRecord.read(folder)
     if record is None:
         return STOPPED, "no run.json was written", scene.sha256

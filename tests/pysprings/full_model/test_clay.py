@@ -186,7 +186,7 @@ def test_omissions_tell_why_there_is_no_water():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["soft-clay", "sand-over-clay", "layered-sand", "monobucket"])
+@pytest.mark.parametrize("name", ["soft-clay", "sand-over-clay", "layered-sand", "monobucket", "jacket-leg"])
 def test_a_template_runs_to_its_end_and_its_fan_predicts_the_pulls_held_back(name):
     """Within 2 % in load and 4 % in rotation, a median of at most five Newton iterations."""
     result = compute(tiny.parsed(template_text(name)))

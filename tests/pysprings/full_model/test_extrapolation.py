@@ -16,10 +16,15 @@ from scipy.interpolate import PchipInterpolator
 from pysprings import Scene, predict, predict_batch
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.files.storage import read_tree
+from pysprings.core.text import number
 from pysprings.full_model.accuracy import extrapolation, target, two_mesh
 from pysprings.full_model.compute import RunOptions, Sink, compute, run_into
 from pysprings.full_model.run_record import Computed, RunRecord
 from pysprings.results.folder import run_to_folder, run_to_target
+from pysprings.results.report import solution
+from pysprings.results.report.inputs import ReportData
+from pysprings.results.summary import summary
+from pysprings.scene.template import template_text
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
@@ -62,6 +67,15 @@ def test_the_record_has_the_end_of_the_extrapolated_path() -> None:
         assert found().record.paths[name].end["H"] == float(path["H"][-1])
 
 
+def test_summary_and_report_have_the_extrapolated_loads() -> None:
+    tree, record = found().tree, found().record
+    better, of_mesh = (paths_of(tree, of_mesh=each)["pull"]["M"][-1].item() for each in (False, True))
+    assert f"{1e-6 * better:.4g}" != f"{1e-6 * of_mesh:.4g}"
+    assert f"M {1e-6 * better:.4g} MN m (path pull" in summary(tree, record)["loads"]
+    ends = solution.end_table(ReportData(tree).paths)
+    assert ends is not None and ends.rows[0][8] == number(1e-3 * better, 4)
+
+
 def test_meshes_that_are_close_are_not_extrapolated() -> None:
     """The coarser mesh of 0.3 is 0.25: the difference would be multiplied by more than two."""
     close = run_into(None, scene(paths=(PULL,), mesh=SERIES["mesh"] | {"refinement": 0.3}), RunOptions(), Sink())
@@ -88,7 +102,7 @@ def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one(
         compute(scene(paths=(path,), mesh=SERIES["mesh"] | {"refinement": size})).tree for size in (0.6, 1.0, 2.2)
     )
     share = extrapolation.share_of(1.0 / 0.6, 2.0)
-    both, without = extrapolation.extrapolated(fine, coarse, share)
+    both, without, _ = extrapolation.extrapolated(fine, coarse, share)
     assert not without
     u, H = (paths_of(truth)["pull"][name] for name in ("u", "H"))
     errors = [
@@ -98,11 +112,33 @@ def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one(
     assert errors[1] < 0.5 * errors[0]
 
 
+def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
+    """Clay with a gap: N 3, and what N 5 changes on the coarser mesh, beside N 5 on both (1.7 % lower)."""
+    path = {"name": "slide", "kind": "translation", "lateral_displacement": 0.3}
+
+    def tree(size: float, n: int) -> xr.DataTree:
+        mesh = {"discretisation": "fourier", "refinement": size, "harmonics": n}
+        return compute(tiny.parsed(template_text("soft-clay")).replace(mesh=mesh, paths=(path,))).tree
+
+    fine, coarse, richest, richer = tree(0.6, 3), tree(0.36, 3), tree(0.6, 5), tree(0.36, 5)
+    share = extrapolation.share_of(1.0 / 0.6, 1.7)
+    truth, poorer, added = (
+        extrapolation.extrapolated(*trees)
+        for trees in ((richest, richer, share), (fine, coarse, share), (fine, coarse, share, richer))
+    )
+    assert truth[2] == poorer[2] == [] and added[2] == ["slide"]
+    ends = [float(paths_of(each[0])["slide"]["H"][-1]) for each in (truth, poorer, added)]
+    assert ends[1] / ends[0] - 1.0 > 0.015
+    assert abs(ends[2] / ends[0] - 1.0) < 0.003
+    springs = extract_springs(added[0])
+    assert max(map(abs, balance(springs["paths/slide"].to_dataset(inherit=False)).values())) < 1e-12
+
+
 def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
     tree, shorter = found().tree, found().tree.copy(deep=True)
     for name in ("pull", "back"):
         shorter[f"paths/{name}"] = shorter[f"paths/{name}"].to_dataset(inherit=False).isel(step=slice(3))
-    _, without = extrapolation.extrapolated(tree, shorter, 0.5)
+    _, without, _ = extrapolation.extrapolated(tree, shorter, 0.5)
     assert "it stopped on the coarser mesh at" in without["pull"] and "load" in without
     del shorter["paths"]["down"]
     assert "did not start" in extrapolation.extrapolated(tree, shorter, 0.5)[1]["down"]
