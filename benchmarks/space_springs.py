@@ -145,7 +145,7 @@ def main() -> None:
     for name in [given.case] if given.case else CASES:
         tree = springs_of(name, given.folder, given.preset)
         for row in compare_in_space(tree).to_dict("records"):
-            errors.append((name, *(_shown(row[key]) for key in HEADS[1:])))
+            errors.append((name, *(_shown(row[key.replace("_error_", "_error_max_")]) for key in HEADS[1:])))
         model = SpaceSprings.of(tree)
         rows = model.elements.rows
         sets.append(

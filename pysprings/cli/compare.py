@@ -13,7 +13,7 @@ from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Format, Json, OneSpringSet, Result
 from pysprings.cli.support import print_json, print_table, refuse
-from pysprings.core.columns import Table, records
+from pysprings.core.columns import Table
 
 if TYPE_CHECKING:
     from pysprings.results.analysis.two_runs import Run
@@ -53,15 +53,12 @@ def compare(
         return
     from pysprings.macro.comparison import compare as compare_models
     from pysprings.macro.comparison_text import to_dict, to_text
-    from pysprings.macro.space import MEMORY, compare_in_space, in_space_text
 
     frame = compare_models(tree, spring_set)
-    space = compare_in_space(tree) if spring_set in (None, MEMORY) else None
     if as_json:
-        rows = {} if space is None or space.empty else {"in_space": records(space)}
-        print_json(to_dict(frame) | rows)
+        print_json(to_dict(frame))
     else:
-        print(to_text(frame) + ("" if space is None else in_space_text(space)), end="")
+        print(to_text(frame), end="")
 
 
 WIDTHS = (16, 26, 20, 20, 10)  # of the table: a terminal of 100 characters

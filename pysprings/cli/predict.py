@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.cli import predictions
+    from pysprings.core.planes import InPlane
     from pysprings.macro.model import AnySprings, MacroModel
     from pysprings.macro.predict import Asking
     from pysprings.macro.space import SpaceControl
@@ -108,7 +109,7 @@ def predict(
     moment_x: Annotated[float | None, quantity("--Mx", "N m", "-3 MN m", "right-handed: -Hy at its height")] = None,
     moment_y: Annotated[float | None, quantity("--My", "N m", "3 MN m", "right-handed: Hx at its height")] = None,
     torsion: Annotated[
-        float | None, quantity("--T", "N m", "0.5 MN m", "torsion; the twist is linear, with the stiffness at rest")
+        float | None, quantity("--T", "N m", "0.5 MN m", "torsion; without springs in space the twist is linear")
     ] = None,
     u_max: Annotated[
         float | None, quantity("--u-max", "m", "5 mm", 'a whole curve up to this displacement, e.g. "5 mm"')
@@ -195,7 +196,7 @@ def predict(
     form["reference_depth"] = question.reference_depth or 0.0
     wanted = stiffness or any(form.values())
     if wanted and "u" not in states:
-        refuse("--stiffness", "is that of one plane: leave it out with a sequence in six degrees of freedom")
+        refuse("--stiffness", "is that of one plane: leave it out with loads or motions in six degrees of freedom")
     matrices = _matrices(springs, states, question, asking, form) if wanted else None
     if out is not None:
         predictions.write(states, predictions.stiffness(matrices) if matrices else {}, out)
@@ -254,7 +255,7 @@ def way_to_load(springs: AnySprings | MacroModel, question: Question, asking: Ma
 
 
 def _by_components(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:
-    """Return the state under loads by components, in their plane and by components."""
+    """Return the state under loads by components: in their plane, or out of one by springs in space."""
     import numpy as np
 
     from pysprings.core.planes import in_plane
@@ -264,13 +265,44 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
 
     x, y, about_x, about_y, T = (getattr(question, name) or 0.0 for name in ("Hx", "Hy", "Mx", "My", "T"))
     loads = in_plane(np.array([[x, y]]), np.array([[about_y, -about_x]]))
-    if across := float(loads.across[0]):
+    across = float(loads.across[0])
+    if (across or T) and (found := _from_all_sides(springs, loads, T, question, common)) is not None:
+        return found
+    if across:
         refuse("--Mx", f"{off_plane(across)} (`design` answers a bound)")
     if T and common["strict"]:
         refuse("--T", "springs answer torsion by their stiffness at rest alone")
     H, M = float(loads.H[0]), float(loads.M[0])
     state = predict.way_to_load(springs, H=H, M=M, V=question.V, **common).isel(step=[-1])
     return with_components(state, loads, np.array([T]), torsion_of(springs))
+
+
+def _from_all_sides(
+    springs: AnySprings, loads: InPlane, T: float, question: Question, common: Mapping[str, Any]
+) -> xr.Dataset | None:
+    """Return the state under loads out of one plane, or with T [N m]; None without springs in space."""
+    import numpy as np
+
+    from pysprings.core.errors import BeyondSprings, Problem
+    from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides
+    from pysprings.macro.predict import STEPS
+    from pysprings.macro.space import MEMORY, sequence_in_space
+    from pysprings.macro.user_curves import CurveSprings
+    from pysprings.springs.path import SPACE_LOADS
+
+    kind, V = common["springs_kind"], np.array([np.nan if question.V is None else question.V])
+    choice = {"springs_kind": None if kind == MEMORY else kind, "path": common["path"]}
+    case = answer_from_all_sides(springs, loads, np.array([T]), V, common["extrapolate"], **choice).isel(case=0)
+    if isinstance(springs, CurveSprings) or not int(case.get("in_space", 0)):
+        return None
+    way = np.linspace(0.0, 1.0, STEPS + 1)[1:, None] * [float(case[name]) for name in SPACE_LOADS]
+    care = {name: common[name] for name in ("strict", "extrapolate")}
+    states = sequence_in_space(springs, way, V=question.V, **care)
+    if why := str(case["why_not"].values):
+        raise BeyondSprings([Problem(key="springs", message=why)])
+    apart = float(case["plane_difference_pct"])
+    remarks = [*states.attrs["remarks"], *[APART.format(apart)] * (apart > MOST_APART)]
+    return states.isel(step=[-1]).assign_attrs(question="load", remarks=remarks)
 
 
 def _in_space(springs: AnySprings, read: Sequence, common: dict[str, Any]) -> xr.Dataset:

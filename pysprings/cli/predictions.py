@@ -19,7 +19,7 @@ from pysprings.core.words import RANGE_END
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 
 MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded",
-         "linear_twist", "torsion_apart")  # fmt: skip
+         "linear_twist", "torsion_apart", "unchecked")  # fmt: skip
 COLUMNS = (
     Column("u [mm]", "u", ".5g", 1e3),
     Column("w [mm]", "w", ".5g", 1e3),

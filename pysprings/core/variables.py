@@ -360,6 +360,7 @@ _SPACE_PREDICTION = {
       for axis in "xy"),
     V("torsion_apart", "1 where torsion and a lateral load act together", "1", ("step",),
       "the elements of torsion share no friction with the lateral ones"),
+    V("unchecked", "1 within the range, beyond the motions of held-back paths out of one plane", "1", ("step",)),
 )
 
 EXTRAPOLATED = "extrapolated"  # group of a path: values of two meshes, in the place of those of its own mesh

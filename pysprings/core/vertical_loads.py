@@ -29,9 +29,8 @@ def close_loads(values: Array | float, other: Array | float) -> NDArray[np.bool_
 
     `benchmarks.macro` prints how much a tenth of V changes loads.
     """
-    near: NDArray[np.bool_] = np.abs(np.subtract(values, other)) <= np.maximum(
-        CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD
-    )
+    most = np.maximum(CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD)
+    near: NDArray[np.bool_] = np.abs(np.subtract(values, other)) <= most * (1.0 + 1e-9)  # of loads that are rounded
     return near
 
 

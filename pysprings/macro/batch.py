@@ -13,21 +13,28 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import refused
-from pysprings.core.planes import in_plane
+from pysprings.core.planes import InPlane, in_plane
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
+from pysprings.macro.space import SpaceAnswers, answers_in_space
 from pysprings.macro.stiffness import torsion_of
 from pysprings.macro.vertical_answer import vertical_use
 from pysprings.macro.ways import RANGE_SLACK
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
 _GIVEN = ("H", "M", "V", "H_x", "H_y", "M_x", "M_y", "T", "direction", "rot_z")
+_IN_PLANE = ("utilisation", "utilisation_V", "capacity_H", "capacity_M", "capacity_V")
 _MOTIONS = ("u", "w", "rotation", "stiffness")
+PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated range of the springs"
+# largest difference of springs in space from those in one plane [%] that is no mark, and the mark
+MOST_APART, APART = 2.0, "springs in space move {:.2g} % unlike those in one plane under H and M in the plane of H"
+DOWN, LOST = "V beyond the calibrated range of the vertical springs", "no equilibrium"
 # attributes of one way of states: a batch has marks by case in their place
 _OF_A_WAY = ("warnings", "beyond_range", "refusals", "status", "message")
 
@@ -51,8 +58,9 @@ def predict_batch(
 
     H [N], arm [m] or M [N m], and V [N] are numbers or arrays of one shape; or components, right-handed with z up: H_x,
     H_y [N], M_x, M_y [N m] in place of H and M, and torsion T [N m]. Answers to these have their components, too
-    (`direction`, `u_x` ...). A case whose H and M do not lie in one vertical plane is not answered; with T `rot_z` is T
-    over the stiffness at rest (`linear_twist`; NaN where no full model has computed it), and T changes nothing else.
+    (`direction`, `u_x` ...). A case whose H and M do not lie in one vertical plane, or that has T, is answered by
+    springs in space (`answer_from_all_sides`). Without such springs the first is not answered; with T `rot_z` is T over
+    the stiffness at rest (`linear_twist`; NaN where no full model has computed it), and T changes nothing else.
     Answer and marks of a case depend on that case alone, bit for bit. A thousand cases take about a second; of springs
     at several vertical loads, where every V has springs of its own, about fifteen. What `predict` raises or warns of is
     a mark by case here:
@@ -81,8 +89,9 @@ def predict_batch(
     x, y, about_x, about_y, torsion, down = _columns(*given, down)
     loads = in_plane(np.stack([x, y], axis=1), np.stack([about_y, -about_x], axis=1))
     source = springs if isinstance(springs, MacroModel) else typed(springs)
-    answers = answer_loads(source, np.stack([loads.H, loads.M], axis=1), down, extrapolate, **choice)
-    return _off_plane(with_components(answers, loads, torsion, torsion_of(source)), loads.across)
+    answers = answer_from_all_sides(source, loads, torsion, down, extrapolate, **choice)
+    by_space = answers["in_space"].values == 1 if "in_space" in answers else np.zeros(len(loads.H), dtype=bool)
+    return _off_plane(answers, np.where(by_space, 0.0, loads.across))
 
 
 def _columns(*values: float | Array) -> list[Array]:
@@ -95,12 +104,84 @@ def _columns(*values: float | Array) -> list[Array]:
 
 def _off_plane(answers: xr.Dataset, across: Array) -> xr.Dataset:
     """Return answers without those to loads that have a moment (n,) [N m] across their plane."""
-    inside = xr.DataArray(across == 0.0, dims="case")
-    numbers = [str(name) for name, each in answers.items() if each.dtype.kind == "f" and name not in _GIVEN]
+    inside = across == 0.0
     why = [off_plane(each) if each else text for text, each in zip(answers["why_not"].values, across, strict=True)]
-    values: dict[str, Any] = {name: answers[name].where(inside) for name in numbers}
-    values |= {name: (answers[name] * inside).astype(np.int8) for name in ("answered", "converged")}
-    return answers.assign(values | {"why_not": ("case", np.array(why, dtype=object))})
+    found = _blank(answers, inside, _GIVEN)
+    values = {
+        name: (found[name] * xr.DataArray(inside, dims="case")).astype(np.int8) for name in ("answered", "converged")
+    }
+    return found.assign(values | {"why_not": ("case", np.array(why, dtype=object))})
+
+
+def _blank(answers: xr.Dataset, inside: NDArray[np.bool_], kept: tuple[str, ...]) -> xr.Dataset:
+    """Return answers whose numbers, but for those to be kept, are NaN in cases that are not inside (n,)."""
+    numbers = [str(name) for name, each in answers.items() if each.dtype.kind == "f" and name not in kept]
+    return answers.assign({name: answers[name].where(xr.DataArray(inside, dims="case")) for name in numbers})
+
+
+def answer_from_all_sides(
+    springs: AnySprings | MacroModel,
+    loads: InPlane,
+    T: Array,
+    V: Array,
+    extrapolate: bool = False,
+    **choice: Unpack[SpringChoice],
+) -> xr.Dataset:
+    """Answer loads in their planes, with a moment across and T (n,) [N m], at V (n,) [N]; NaN: that of the springs.
+
+    Cases with T or a moment across are answered by springs in space where there are any (`in_space` 1), each in
+    proportion from rest: u and rotation are sizes of vectors, w and stiffness NaN; `unchecked`, `torsion_apart` mark it
+    as a sequence. Their utilisation and capacities are those of H and M in the plane of H. What is beyond a limit
+    load there, or beyond the vertical springs, has no answer. `plane_difference_pct`: difference of springs in space
+    from the springs in one plane under that H and M. Without springs in space the part in the plane is answered.
+    """
+    source = springs if isinstance(springs, MacroModel) else typed(springs)
+    answers = answer_loads(source, np.stack([loads.H, loads.M], axis=1), V, extrapolate, **choice)
+    aside = (loads.across != 0.0) | (T != 0.0)
+    space = answers_in_space(source, **choice) if aside.any() else None
+    if space is not None and not space.response.has_torsion:
+        aside = (loads.across != 0.0) & (T == 0.0)
+    linear = np.ones(len(T), dtype=bool) if space is None else ~aside
+    found = with_components(answers, loads, T, torsion_of(source), linear)
+    return found if space is None else _by_space(found, space, (aside, V), extrapolate)
+
+
+def _by_space(
+    found: xr.Dataset, space: SpaceAnswers, cases: tuple[NDArray[np.bool_], Array], extrapolate: bool
+) -> xr.Dataset:
+    """Return answers with those of springs in space to cases aside of one plane, (marks (n,), V (n,) [N])."""
+    aside, V = cases
+    rows = np.flatnonzero(aside)
+    own = space.cases(np.stack([found[name].values[rows] for name in SPACE_LOADS], axis=1), V[rows])
+    why = np.array([text if text in (PAST, DOWN) else "" for text in found["why_not"].values[rows]], dtype=object)
+    over = (own["extrapolated"] == 1) & (not extrapolate)
+    for marks, text in ((over, SIDEWAYS), (own["converged"] == 0, LOST)):
+        why[marks & (why == "")] = text
+    answered = why == ""
+    own["u"], own["rotation"] = np.hypot(own["u_x"], own["u_y"]), np.hypot(own["rot_x"], own["rot_y"])
+    own |= {name: np.where(answered, own[name], np.nan) for name in ("u", "rotation", *SPACE_TURNS)}
+    own |= {name: np.zeros(len(rows), dtype=np.int8) for name in ("off_path", "past_peak") if name in found}
+    own |= {"answered": answered, "converged": answered, "why_not": why, "in_space": np.ones(len(rows), dtype=np.int8)}
+    own["plane_difference_pct"] = _difference(found.isel(case=rows), space, V[rows])
+    out, values = _blank(found, ~aside, (*_GIVEN, *_IN_PLANE)), {}
+    for name, value in own.items():
+        empty = np.full(len(V), np.nan) if value.dtype.kind == "f" else np.zeros(len(V), dtype=np.int8)
+        every = out[name].values.copy() if name in out else empty
+        every[rows] = value
+        values[name] = ("case", every, out[name].attrs if name in out else {})
+    return out.assign(values).assign_attrs(remarks=[*found.attrs["remarks"], space.errors], space_errors=space.errors)
+
+
+def _difference(found: xr.Dataset, space: SpaceAnswers, V: Array) -> Array:
+    """Return how far springs in space are from answers in a plane [%], of (u, rotation L) under their H and M."""
+    c, s = np.cos(found["direction"].values), np.sin(found["direction"].values)
+    H, M = found["H"].values, found["M"].values
+    own = space.cases(np.stack([c * H, s * H, -s * M, c * M, 0.0 * H], axis=1), V)
+    scale, lateral = np.array([1.0, 1.0, space.length, space.length]), SPACE_TURNS[:4]
+    here, there = (scale * np.stack([each[name] for name in lateral], axis=1) for each in (own, found))
+    size = np.linalg.norm(there, axis=1)
+    apart: Array = 100.0 * np.linalg.norm(here - there, axis=1) / np.where(size > 0.0, size, np.nan)
+    return apart
 
 
 def answer_loads(
@@ -199,7 +280,4 @@ _UNITS = {
 
 
 def _reasons(past: Any, sideways: Any, down: Any, lost: Any) -> Iterator[tuple[NDArray[np.bool_], str]]:
-    yield past, "beyond a limit load of the full model"
-    yield sideways, "beyond the calibrated range of the springs"
-    yield down, "V beyond the calibrated range of the vertical springs"
-    yield lost, "no equilibrium"
+    yield from ((past, PAST), (sideways, SIDEWAYS), (down, DOWN), (lost, LOST))

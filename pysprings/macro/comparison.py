@@ -21,6 +21,8 @@ the largest answer of the path.
 Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
 each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
 
+Paths out of one plane are answered by springs with memory in space (`pysprings.macro.space.compare_in_space`).
+
 On their own paths the full set and the fan meet the recorded states by construction. What they do between them is
 measured too: `..._error_between_pct` is the largest error when every second recorded state is left out of the
 springs.
@@ -46,6 +48,7 @@ from pysprings.macro import measures
 from pysprings.macro.answer import trace
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.macro.model import MacroModel, spring_sets
+from pysprings.macro.space import MEMORY, compare_in_space
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_answer import along_vertical
@@ -102,6 +105,8 @@ class Comparison:
             for spring_set, answer in answers.items()
         ]
         frame = pd.DataFrame(rows) if rows else pd.DataFrame(columns=_OF_EVERY_ROW)
+        space = compare_in_space(self.springs) if self.springs_kind in (None, MEMORY) else frame[:0]
+        frame = frame if space.empty else pd.concat([frame, space], ignore_index=True)
         frame.attrs = {key: self.springs.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")}
         return frame
 

@@ -33,6 +33,8 @@ COLUMNS = {
         Column("M max [%]", "M_error_max_pct", ".2f"),
         Column("M between [%]", "M_error_between_pct", ".2f"),
         Column("u max [%]", "u_error_max_pct", ".2f"),
+        Column("p max [%]", "p_error_max_pct", ".2f"),
+        Column("T max [%]", "T_error_max_pct", ".2f"),
         Column("z_rot full [m]", "rotation_point_full_m", ".3f"),
         Column("z_rot macro [m]", "rotation_point_macro_m", ".3f"),
         Column("z_rot max [m]", "rotation_point_error_max_m", ".3f"),
@@ -86,7 +88,8 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
             lines += [_ROLE_TITLES[role], Table.of(columns, own).text(), ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
     ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
-    notes = _NOTES[:1] if brief else _NOTES + (_VERTICAL_NOTES if vertical else [])
+    further = (_VERTICAL_NOTES if vertical else []) + ([SPACE_NOTE] if "T_error_max_pct" in frame else [])
+    notes = _NOTES[:1] if brief else _NOTES + further
     return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
 
 
@@ -151,6 +154,12 @@ _VERTICAL_NOTES = [
     "V max: error of V at equal w, over its change from rest",
     "vertical = vertical springs t(w), V_tip(w), V_lid(w) of the vertical calibration paths",
 ]
+
+SPACE_NOTE = (
+    "paths out of one plane, answered by springs with memory in space: H, M/L as vectors at the motions of the full "
+    "model, over the largest (H, M/L) of the path; T/R over the largest load; p as vectors by depth; u and rotation L "
+    "as vectors under its loads, over its largest motion"
+)
 
 
 def to_dict(frame: pd.DataFrame) -> dict[str, Any]:

@@ -41,15 +41,19 @@ def twist_of(T: Array, stiffness: float | None) -> Array:
     return twist
 
 
-def with_components(answer: xr.Dataset, loads: InPlane, T: Array, stiffness: float | None) -> xr.Dataset:
+def with_components(
+    answer: xr.Dataset, loads: InPlane, T: Array, stiffness: float | None, linear: Array | bool = True
+) -> xr.Dataset:
     """Return answers (dimension step or case) in the planes of loads with their components.
 
-    T (n,) [N m] and the torsional stiffness [N m/rad] give the twist (`twist_of`); `linear_twist` marks it.
+    T (n,) [N m] and the torsional stiffness [N m/rad] give the twist (`twist_of`) where it is linear (n,);
+    `linear_twist` marks it.
     """
+    by_rest = np.where(linear, T, 0.0)
     dim, c, s = answer["u"].dims[0], np.cos(loads.direction), np.sin(loads.direction)
     u, turn = answer["u"].values, answer["rotation"].values
     values = {
-        "u_x": c * u, "u_y": s * u, "rot_x": -s * turn, "rot_y": c * turn, "rot_z": twist_of(T, stiffness),
+        "u_x": c * u, "u_y": s * u, "rot_x": -s * turn, "rot_y": c * turn, "rot_z": twist_of(by_rest, stiffness),
         "H_x": c * loads.H, "H_y": s * loads.H, "M_x": c * loads.across - s * loads.M,
         "M_y": s * loads.across + c * loads.M, "T": T,
     }  # fmt: skip
@@ -57,7 +61,7 @@ def with_components(answer: xr.Dataset, loads: InPlane, T: Array, stiffness: flo
             for name, value in values.items()}  # fmt: skip
     turned = answer.assign(made).assign(
         direction=(dim, loads.direction, {"units": "radian", "long_name": "plane of H and M, from x towards y"}),
-        linear_twist=(dim, ((T != 0.0) & (stiffness is not None)).astype(np.int8)),
+        linear_twist=(dim, ((by_rest != 0.0) & (stiffness is not None)).astype(np.int8)),
     )
-    remark = [] if not T.any() else [_UNKNOWN if stiffness is None else _LEAST]
+    remark = [] if not by_rest.any() else [_UNKNOWN if stiffness is None else _LEAST]
     return turned.assign_attrs(remarks=[*answer.attrs.get("remarks", ()), *remark])

@@ -5,6 +5,7 @@ Springs with memory that were calibrated on a circle and a twist, beside planar 
 (`[springs] memory = true, directions = true`); the other spring sets hold for one plane.
 """
 
+from dataclasses import dataclass
 from typing import Any, Literal, Protocol, Unpack
 
 import numpy as np
@@ -12,20 +13,27 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core import variables
 from pysprings.core.arguments import check_arrays, check_rows
-from pysprings.core.columns import Column, Table
 from pysprings.core.errors import refused
+from pysprings.core.path_kinds import HELD_BACK
 from pysprings.macro.answer import Care, raise_or_warn
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.springs.path import SpacePath
+from pysprings.macro.ways import RANGE_SLACK
+from pysprings.springs.path import SPACE_TURNS, SpacePath
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import ZONE
 
 Array = NDArray[np.float64]
 SpaceControl = Literal["load", "state"]
-MEMORY = "memory"  # the spring set that answers
-ALONE = 0.01  # lateral loads below this share of the torsion are none
+MEMORY, TWIST = "memory", "twist"  # the spring set that answers; the kind of path that calibrates its torsion
+_LATERAL = np.array([1.0, 1.0, 1.0, 1.0, 0.0])  # of motions: all but the twist
+TWISTED = 0.01  # lateral loads below this share of the torsion are none
+_FROM = "paths out of one plane"
 PLANE_ALONE = "the set '{}' answers loads in one plane only: ask for the springs 'memory'"
+_UNCHECKED = "{} of {} states go beyond the held-back paths out of one plane ({:.3g} of the range)"
+_NEVER = "springs in space, checked on no held-back path"
+_MARKS = ("converged", "extrapolated", "unchecked", "off_load", "torsion_apart")
 
 
 class SpaceResponse(Protocol):
@@ -40,6 +48,10 @@ class SpaceResponse(Protocol):
         """Follow targets from rest; return motions, loads, and a message on where it ended."""
         ...
 
+    def range_used(self, turns: Array) -> Array:
+        """Return the size (n,) of motions over that of the paths behind the springs."""
+        ...
+
     def answer(self, control: SpaceControl, targets: Array, V: Array | None, time: Array | None) -> xr.Dataset:
         """Return the states along targets as a dataset by step, marked."""
         ...
@@ -47,6 +59,78 @@ class SpaceResponse(Protocol):
     def reactions(self, turns: Array) -> Array:
         """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions from rest on."""
         ...
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceAnswers:
+    """Springs that answer loads from all sides, with what they were checked on.
+
+    Attributes
+    ----------
+    response : the springs.
+    length : skirt length [m].
+    checked : share of their range that lateral motions of held-back paths out of one plane reach; 0 without such paths.
+    errors : the largest errors on these paths, a sentence.
+    """
+
+    response: SpaceResponse
+    length: float
+    checked: float
+    errors: str
+
+    @classmethod
+    def of(cls, springs: Springs | xr.DataTree, springs_kind: str | None = None) -> "SpaceAnswers":
+        """Return the springs in space of a set, checked. Raises UserInputError where there are none."""
+        given = Springs.of(springs)
+        response, checked, texts = response_in_space(given, springs_kind), 0.0, []
+        for path in given.space.values():
+            if path.role != HELD_BACK or path.kind == TWIST or path.n < 2:
+                continue
+            checked = max(checked, float(response.range_used(path.turns() * _LATERAL).max()))
+            row = _row(given, response, path)
+            sizes = {name: row[f"{name}_error_max_pct"] for name in ("H", "M", "u", "rotation")}
+            words = ", ".join(f"{name} {size:.1f} %" for name, size in sizes.items() if np.isfinite(size))
+            texts.append(f"{path.name} {words}")
+        errors = f"springs in space, errors on held-back paths: {'; '.join(texts)}" if texts else _NEVER
+        return cls(response, given.length, checked, errors)
+
+    def answer(
+        self, control: SpaceControl, targets: Array, V: Array | None = None, time: Array | None = None
+    ) -> xr.Dataset:
+        """Return the states along targets (n, 5) from rest as a dataset by step, marked."""
+        found = self.response.answer(control, targets, V, time)
+        turns = np.stack([found[name].values for name in SPACE_TURNS], axis=1)
+        past = self.response.range_used(turns * _LATERAL) > self.checked * (1.0 + RANGE_SLACK)
+        past &= found["extrapolated"].values == 0
+        texts = [_UNCHECKED.format(past.sum(), len(past), self.checked)] if past.any() else []
+        attrs = {name: [*found.attrs[name], *more] for name, more in (("warnings", texts), ("remarks", [self.errors]))}
+        known = variables.GROUPS["space_prediction"]["unchecked"].attributes()
+        return found.assign(unchecked=("step", past.astype(np.int8), known)).assign_attrs(attrs)
+
+    def cases(self, pushes: Array, V: Array) -> dict[str, Array]:
+        """Return motions and marks (n,) of independent loads (n, 5), each reached in proportion from rest, by name.
+
+        V [N] is NaN for that of the springs. Without an equilibrium motions are NaN, and `converged` is 0.
+        """
+        out = {name: np.full(len(pushes), np.nan) for name in (*SPACE_TURNS, "range_used")}
+        out |= {name: np.zeros(len(pushes), dtype=np.int8) for name in _MARKS}
+        for k, push in enumerate(pushes):
+            found = self.answer("load", push[None], None if np.isnan(V[k]) else V[[k]])
+            for name in out if found.sizes["step"] else ():
+                out[name][k] = found[name].values[0] if name in found else 0
+        return out
+
+
+def answers_in_space(springs: Any, springs_kind: str | None = None, path: str | None = None) -> SpaceAnswers | None:
+    """Return the springs that answer loads from all sides; None where there are none, or others are asked for."""
+    chosen = SPRING_SETS.find(springs_kind or MEMORY, "springs_kind")
+    here = isinstance(springs, Springs) and path is None and chosen.in_space is not None and _has_space(springs)
+    return SpaceAnswers.of(springs, springs_kind) if here else None
+
+
+def _has_space(springs: Springs) -> bool:
+    lateral = any(path.kind != TWIST for path in springs.turning)
+    return lateral and SPRING_SETS[MEMORY].ready(springs.at())
 
 
 def sequence_in_space(
@@ -84,7 +168,7 @@ def sequence_in_space(
     rows = np.asarray(targets, dtype=float)
     check_rows(len(rows), V, time)
     down = None if V is None else np.broadcast_to(np.asarray(V, dtype=float), len(rows)).copy()
-    answer = response_in_space(springs, springs_kind).answer(control, rows, down, time)
+    answer = SpaceAnswers.of(springs, springs_kind).answer(control, rows, down, time)
     return raise_or_warn(answer, **care)
 
 
@@ -97,7 +181,7 @@ def response_in_space(springs: Springs | xr.DataTree, springs_kind: str | None =
 
 
 def compare_in_space(springs: Springs | xr.DataTree) -> pd.DataFrame:
-    """Return the errors of springs on the paths out of one plane, one row a path; empty where none answers.
+    """Return the errors of springs on the paths out of one plane, rows of a comparison; empty where none answers.
 
     At the motions of the full model: largest error of H and M/L, as vectors, over the largest (H, M/L) of the path [%],
     of T/R over the largest load, and of p by depth, as vectors, over the largest p (the last fifth of the skirt is one
@@ -105,7 +189,7 @@ def compare_in_space(springs: Springs | xr.DataTree) -> pd.DataFrame:
     largest motion, NaN where the springs do not carry the loads. T is NaN without springs of torsion.
     """
     given = Springs.of(springs)
-    if not given.turning or not SPRING_SETS[MEMORY].ready(given.at()):
+    if not _has_space(given):
         return pd.DataFrame()
     response = response_in_space(given)
     return pd.DataFrame([_row(given, response, path) for path in given.space.values() if path.n > 1])
@@ -121,20 +205,23 @@ def _row(springs: Springs, response: SpaceResponse, path: SpacePath) -> dict[str
     given, own = path.loads(radius)[1:], path.scaled(carried, 1.0 / length, 1.0 / radius)
     size, whole = (float(np.linalg.norm(given[:, :n], axis=1).max()) for n in (4, 5))
     missing = np.abs(own - given[: len(own)])
-    twists = not size > ALONE * whole
+    twists = not size > TWISTED * whole
+    used = response.range_used(path.turns())
     row: dict[str, Any] = {"path": path.name, "role": path.role, "kind": path.kind, "springs": MEMORY}
-    row |= {"states": path.n - 1, "status": held or "complete"}
+    row |= {"springs_from": _FROM, "V_N": path.load, "status": held or "complete", "path_end": path.end.how}
+    row |= {"states": path.n - 1, "depths": path.depth.size, "depths_unusable": 0, "off_path_states": 0}
+    row |= {"off_load_states": 0, "extrapolated_states": int((used > 1.0 + RANGE_SLACK).sum())}
     for name, first in (("H", 0), ("M", 1)):
         worst = float(np.hypot(missing[:, first], missing[:, first + 2]).max())
-        row[f"{name}_error_pct"] = np.nan if twists else 100.0 * worst / size
-    row["p_error_pct"] = np.nan if twists else _p_error(path, response.reactions(motions)[:, :, : len(own) + 1])
-    row["T_error_pct"] = 100.0 * float(missing[:, 4].max()) / whole if response.has_torsion else np.nan
+        row[f"{name}_error_max_pct"] = np.nan if twists else 100.0 * worst / size
+    row["p_error_max_pct"] = np.nan if twists else _p_error(path, response.reactions(motions)[:, :, : len(own) + 1])
+    row["T_error_max_pct"] = 100.0 * float(missing[:, 4].max()) / whole if response.has_torsion else np.nan
     known, found = path.motions(radius)[1:], path.scaled(moved, length, radius)
     far, wrong = float(np.linalg.norm(known[:, :4], axis=1).max()), np.abs(found - known[: len(found)])
     for name, first in (("u", 0), ("rotation", 1)):
         worst = float(np.hypot(wrong[:, first], wrong[:, first + 2]).max(initial=0.0))
-        row[f"{name}_error_pct"] = np.nan if twists or stopped else 100.0 * worst / far
-    return row | {"message": stopped}
+        row[f"{name}_error_max_pct"] = np.nan if twists or stopped else 100.0 * worst / far
+    return row | {"states_at_load": len(moved)}
 
 
 def _p_error(path: SpacePath, found: Array) -> float:
@@ -146,28 +233,3 @@ def _p_error(path: SpacePath, found: Array) -> float:
     known, own = (np.concatenate([p[:, ~tip], (share @ p[:, tip])[:, None]], axis=1) for p in both)
     size = float(np.linalg.norm(known, axis=0).max())
     return 100.0 * float(np.linalg.norm(own - known, axis=0).max()) / size
-
-
-COLUMNS = (
-    Column("path", "path", words=True),
-    Column("role", "role", words=True),
-    Column("H [%]", "H_error_pct", ".1f"),
-    Column("M [%]", "M_error_pct", ".1f"),
-    Column("p [%]", "p_error_pct", ".1f"),
-    Column("T [%]", "T_error_pct", ".1f"),
-    Column("u [%]", "u_error_pct", ".1f"),
-    Column("rot [%]", "rotation_error_pct", ".1f"),
-)
-_NOTES = (
-    "H, M (M/L): largest error of the vector at the motions of the full model, over the largest (H, M/L) of the path; "
-    "T (T/R): over the largest load; p: vectors by depth, over the largest p",
-    "u, rot (rotation L): at its loads, over the largest motion of the path; '-': not carried, or undefined",
-)
-
-
-def in_space_text(frame: pd.DataFrame) -> str:
-    """Return the errors on paths out of one plane as a table for a terminal, with definitions; empty without rows."""
-    if frame.empty:
-        return ""
-    head = "paths out of one plane, answered by springs with memory"
-    return "\n".join(["", head, Table.of(COLUMNS, frame.to_dict("records")).text(), "", *_NOTES]) + "\n"

@@ -176,11 +176,11 @@ class SpaceSprings:
         """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions (n, 5) from rest on."""
         choice, own = Offered.of_space(self.elements.rows), self.elements
         e = elastic_motions(choice, self.motions_of(turns), self.largest)
-        planes = [e[:, :, :2], e[:, :, 2:]]
-        found: Array = np.stack([
-            own.p_loads @ loads_of(choice.rows, one).T + own.p_elastic @ one.reshape(len(one), -1).T for one in planes
+        shape = len(turns), 2 * len(choice.rows)
+        return np.stack([
+            own.p_loads @ loads_of(choice.rows, one).T + own.p_elastic @ one.reshape(shape).T
+            for one in (e[:, :, :2], e[:, :, 2:])
         ])  # fmt: skip
-        return found
 
     def range_used(self, turns: Array) -> Array:
         """Return the size of motions (n, 5) over that of the rays, or of the twist where that is more."""

@@ -19,18 +19,18 @@ from numpy.typing import NDArray
 from pysprings.core.columns import filled
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import replacing, write_text
+from pysprings.core.planes import InPlane
 from pysprings.core.text import number
 from pysprings.core.vertical_loads import close_loads
 from pysprings.core.words import RANGE_END
-from pysprings.macro.batch import answer_loads
-from pysprings.macro.directions import twist_of
+from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
 from pysprings.macro.model import typed
-from pysprings.macro.stiffness import torsion_of
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
 from pysprings.results.report.load_cases import OK
 from pysprings.results.sheets import write_sheet
+from pysprings.springs.path import SPACE_TURNS
 from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
@@ -49,6 +49,8 @@ MARKS = {
     "off_path": "off the calibrated paths",
     "off_load": "V not covered by the lateral springs",
     "past_peak": "beyond the peak of a spring that softens",
+    "unchecked": "beyond the held-back paths out of one plane",
+    "torsion_apart": "torsion beside lateral loads: springs of both apart carry too much, motions are too small",
     "unbounded": "no upper bound of the rotation: the largest load, 1.96 deviations less, is below this one",
 }
 STIFFNESS = {
@@ -74,7 +76,9 @@ def answer_cases(
     choice
         Spring set and path (`pysprings.macro.predict.SpringChoice`).
     """
-    answers = answer_loads(springs, cases.loads, cases.V, extrapolate, **choice)
+    loads = InPlane(cases.H, cases.M, cases.across, cases.direction)
+    answers = answer_from_all_sides(springs, loads, cases.torsion, cases.V, extrapolate, **choice)
+    space = np.nan_to_num(_values(answers, "in_space", len(cases))) == 1.0
     here = np.where(answers["answered"].values == 1, _values(answers, "V", len(cases)), np.nan)
     frame = pd.DataFrame({
         "name": cases.name, "limit_state": cases.limit_state, "direction_deg": np.degrees(cases.direction),
@@ -97,17 +101,14 @@ def answer_cases(
     frame["answered"] = answers["answered"].values.astype(int)
     frame["marks"] = _marks(answers)
     frame["remarks"] = list(cases.notes)
+    own = frame["marks"]
     frame = _with_sets(frame, typed(springs), cases, extrapolate, choice)
+    frame["marks"] = frame["marks"].where(~space, own)  # springs in space are those of one V
     D = answers.attrs.get("outer_diameter_m")
     bound, found = cases.bounded(None if D is None else 0.5 * float(D)), answers
     if cases.aside.any():
         found = answer_loads(springs, bound.loads, cases.V, extrapolate, **choice)
-    frame = _with_bounds(frame, cases, found)
-    frame["twist_rad"] = np.where(cases.torsion != 0.0, twist_of(cases.torsion, torsion_of(springs)), np.nan)
-    frame["marks"] = [
-        f"{text}; twist {number(1e3 * twist)} mrad at least (stiffness at rest)" if np.isfinite(twist) else text
-        for text, twist in zip(frame["marks"], frame["twist_rad"], strict=True)
-    ]
+    frame = _with_twist(_with_bounds(frame, cases, found, space), cases, answers, space)
     frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
     return frame
 
@@ -170,6 +171,8 @@ def _marks(answers: xr.Dataset) -> list[str]:
     of_all = [str(answers.attrs[name]) for name in ("atlas_outside", "atlas_mesh") if answers.attrs.get(name)]
     for k, why in enumerate(answers["why_not"].values):
         marked = [words for name, words in MARKS.items() if name in answers and answers[name].values[k]]
+        apart = float(answers["plane_difference_pct"].values[k]) if "plane_difference_pct" in answers else 0.0
+        marked += [APART.format(apart)] * (apart > MOST_APART)
         texts.append(str(why) or "; ".join([*marked, *of_all]))
     return texts
 
@@ -209,14 +212,14 @@ _AT_SETS = (
 )  # fmt: skip
 
 
-def _with_bounds(frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset) -> pd.DataFrame:
-    """Return the answers with what cases aside of one plane leave out, and the answers to their bounds."""
+def _with_bounds(frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset, space: NDArray[np.bool_]) -> pd.DataFrame:
+    """Return the answers with what cases aside of one plane and not in space (n,) leave out, and with their bounds."""
     out, aside = frame.copy(), cases.aside
     for column, load in (("across_Nm", cases.across), ("torsion_Nm", cases.torsion)):
         out[column] = np.where(load != 0.0, load, np.nan)
     for column, name in (("u_bound_m", "u"), ("rotation_bound_rad", "rotation"), ("utilisation_bound", "utilisation")):
         out[column] = np.where(aside, np.abs(bounds[name].values), np.nan)
-    for k in np.flatnonzero(aside):
+    for k in np.flatnonzero(aside & ~space):
         left = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}
         texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in left.items() if load]
         u, turn = 1e3 * out["u_bound_m"][k], degrees(out["rotation_bound_rad"][k])
@@ -224,6 +227,24 @@ def _with_bounds(frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset) -> p
         found += [f"utilisation {number(out['utilisation_bound'][k], 3)}"]
         out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts, f"bound: {', '.join(found)}"]))
     return out
+
+
+def _with_twist(frame: pd.DataFrame, cases: LoadCases, answers: xr.Dataset, space: NDArray[np.bool_]) -> pd.DataFrame:
+    """Return the answers with the twist, and, where springs in space answer cases (n,), six motions and remarks."""
+    out = frame.assign(twist_rad=np.where(cases.torsion != 0.0, answers["rot_z"].values, np.nan))
+    least = np.isfinite(out["twist_rad"]) & ~space
+    out["marks"] = [
+        f"{text}; twist {number(1e3 * twist)} mrad at least (stiffness at rest)" if linear else text
+        for text, twist, linear in zip(out["marks"], out["twist_rad"], least, strict=True)
+    ]
+    if not space.any():
+        return out
+    for name in SPACE_TURNS[:4]:
+        out[f"{name}_{'m' if name[0] == 'u' else 'rad'}"] = answers[name].values
+    out.loc[space, ["secant_H_u_N_per_m", "secant_M_rotation_Nm"]] = np.nan
+    words = answers.attrs["space_errors"]
+    notes = [f"{text}; {words}" if text else words for text in out["remarks"]]
+    return out.assign(remarks=np.where(space, notes, out["remarks"]))
 
 
 def _verdict(row: dict[Any, Any]) -> str:

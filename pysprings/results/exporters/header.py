@@ -159,5 +159,6 @@ def error_of_row(row: pd.Series | dict) -> str:
         if np.isfinite(row[f"{key}_error_max_pct"])
     ]
     source = f"springs of path {row['springs_from']}, {row['role']} path"
-    errors = f"largest error against the full model: {', '.join(parts)}; eta {row['eta_large']:.4f}"
+    eta = f"; eta {row['eta_large']:.4f}" if np.isfinite(row["eta_large"]) else ""  # out of one plane there is none
+    errors = f"largest error against the full model: {', '.join(parts)}{eta}"
     return f"{errors} ({source}; {row['status']})"

@@ -145,7 +145,11 @@ COLUMNS = (
     Column("range used", "range_used", brief=False, form=3),
     Column("across [kN m]", "across_Nm", factor=KN, brief=False),
     Column("torsion [kN m]", "torsion_Nm", factor=KN, brief=False),
-    Column("twist, least [mrad]", "twist_rad", factor=1e3, brief=False),
+    Column("u_x [mm]", "u_x_m", factor=MM, brief=False),
+    Column("u_y [mm]", "u_y_m", factor=MM, brief=False),
+    Column("rot_x [mrad]", "rot_x_rad", factor=1e3, brief=False),
+    Column("rot_y [mrad]", "rot_y_rad", factor=1e3, brief=False),
+    Column("twist [mrad]", "twist_rad", factor=1e3, brief=False),
     Column("u bound [mm]", "u_bound_m", factor=MM, brief=False),
     Column("rotation bound [deg]", "rotation_bound_rad", factor=math.degrees(1.0), brief=False),
     Column("utilisation bound", "utilisation_bound", brief=False, form=3),
@@ -159,7 +163,8 @@ NOTE = (
     "the springs reach no further, the capacity is larger. V used is V over the largest vertical load of the vertical "
     "springs. A case without an answer has no motion; its mark is the "
     "reason. A bound, for a moment across the plane of H and a torsion, has all of the moment in that plane and T over "
-    "the radius added to H. The twist is T over the torsional stiffness at rest, less than that beside H."
+    "the radius added to H. The twist is T over the torsional stiffness at rest, the least one, or that of springs in "
+    "space; of these u and rotation are sizes of vectors, utilisation is that of H and M in the plane of H."
 )
 
 

@@ -12,7 +12,7 @@ from pysprings.core.path_kinds import driven
 from pysprings.core.text import number, with_prefix
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.run_record import PathFigures, RunRecord
-from pysprings.macro.comparison_text import COLUMNS
+from pysprings.macro.comparison_text import COLUMNS, SPACE_NOTE
 from pysprings.results.report.inputs import ReportTable
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import end_of
@@ -164,7 +164,8 @@ def _range_sentence(name: str, path: xr.Dataset, length: float) -> str:
 
 _COMPARED = (
     "path", "role", "springs", "springs_from", "eta_small", "eta_large", "H_error_max_pct", "rotation_error_max_pct",
-    "M_error_max_pct", "V_error_max_pct", "u_error_max_pct", "rotation_point_error_max_m", "H_error_between_pct",
+    "M_error_max_pct", "V_error_max_pct", "u_error_max_pct", "p_error_max_pct", "T_error_max_pct",
+    "rotation_point_error_max_m", "H_error_between_pct",
     "rotation_error_between_pct", "M_error_between_pct", "extrapolated_states", "off_path_states", "off_load_states",
 )  # fmt: skip
 
@@ -186,6 +187,7 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
         "full: with distributed moment, tip and lid terms; fan: all of them by displacement and rotation, from all "
         "calibration paths of constant ratio. Of a fan its rows alone are shown; compare.csv has those of every set."
     )
+    note += f" {SPACE_NOTE}." if "T_error_max_pct" in compare else ""
     ended = [
         f" {row['path']}, {row['springs']}: {row['status']}."
         for row in compare.to_dict("records")

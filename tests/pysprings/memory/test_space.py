@@ -13,12 +13,13 @@ import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.answer import MacroWarning
+from pysprings.macro.comparison import compare
+from pysprings.macro.comparison_text import SPACE_NOTE, to_text
 from pysprings.macro.fan import build_fan
-from pysprings.macro.space import compare_in_space, in_space_text, sequence_in_space
+from pysprings.macro.space import compare_in_space, sequence_in_space
 from pysprings.memory import build
-from pysprings.memory.build import build_memory, with_memory
-from pysprings.memory.calibration import MOST_NUMBERS, calibrate
-from pysprings.memory.candidates import Candidates
+from pysprings.memory.build import build_memory
+from pysprings.memory.calibration import MOST_NUMBERS
 from pysprings.memory.elements import (
     PLASTIC,
     PLATES,
@@ -39,6 +40,7 @@ from pysprings.springs.springs import Springs
 from tests.support import space_paths
 from tests.support.commands import command
 from tests.support.space_paths import RADIUS, elbow
+from tests.support.space_springs import calibrated, planar
 from tests.support.winkler import REACH, mixed
 
 LENGTH = space_paths.LENGTH
@@ -124,40 +126,20 @@ def test_closed_loops_in_five_motions_gain_no_work() -> None:
     assert worst > -1e-3  # the trapezoidal rule of loops in the elastic range
 
 
-def planar(table, springs):
-    """Planar elements of the Winkler springs, from perfectly plastic candidates alone: quick to calibrate."""
-    from pysprings.memory.samples import samples
-
-    sizes = np.geomspace(2e-3, 1.0, 7) * REACH
-    angles = np.arange(9) * np.pi / 9
-    plastic = np.array([[a, g, d, 0.0, REACH] for a in angles for g in (0.1, 0.3) for d in sizes])
-    none = [np.zeros((0, n)) for n in (3, 4, 3)]
-    scale = np.array([1.0, springs.length])
-    stiffness = springs.lateral_stiffness / scale / scale[:, None]
-    return calibrate(samples(springs, table), table, stiffness, Candidates(plastic, *none))
-
-
-@cache
-def calibrated(twisted=True):
-    """Springs on the outside law with their elements in space, as a file holds them."""
-    tree = space_paths.springs(twisted)
-    springs = Springs.of(tree)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(build, "calibrate", lambda _ways, table, *_args, **_named: planar(table, springs))
-        return with_memory(tree)
-
-
 def test_a_circle_calibrates_springs_that_meet_an_elbow_of_another_law() -> None:
     """Held back, with leaning, at its motions and under its loads; the torsion meets its own path."""
     rows = compare_in_space(calibrated()).set_index("path")
     assert list(rows.index) == ["circle", "twist", "elbow"]
     for name in ("circle", "elbow"):
-        assert rows.loc[name, ["H_error_pct", "M_error_pct", "p_error_pct"]].max() < 6.0
-    assert rows.loc["elbow", ["u_error_pct", "rotation_error_pct"]].max() < 8.0
-    assert rows.loc["twist", "T_error_pct"] < 2.0 and rows.loc["elbow", "T_error_pct"] < 1e-6
-    assert np.isnan(rows.loc["twist", "H_error_pct"])
-    text = in_space_text(rows.reset_index())
-    assert "elbow" in text and "held-back" in text and "M (M/L)" in text
+        assert rows.loc[name, ["H_error_max_pct", "M_error_max_pct", "p_error_max_pct"]].max() < 6.0
+    assert rows.loc["elbow", ["u_error_max_pct", "rotation_error_max_pct"]].max() < 8.0
+    assert rows.loc["twist", "T_error_max_pct"] < 2.0 and rows.loc["elbow", "T_error_max_pct"] < 1e-6
+    assert np.isnan(rows.loc["twist", "H_error_max_pct"])
+    frame = compare(calibrated(), "memory")
+    text, elbow_ = to_text(frame), frame.set_index("path").loc["elbow"]
+    assert SPACE_NOTE in text and f"{elbow_['p_error_max_pct']:.2f}" in text.split("held-back paths")[1]
+    assert elbow_["H_error_max_pct"] == rows.loc["elbow", "H_error_max_pct"] and elbow_["states"] == 58
+    assert "elbow" not in compare(calibrated(), "fan")["path"].values
 
 
 def test_p_by_depth_is_that_of_the_other_law_out_of_the_plane() -> None:
@@ -286,7 +268,7 @@ def test_what_the_springs_do_not_cover_is_marked_or_refused() -> None:
         sequence_in_space(tree, both)
     with pytest.raises(UserInputError, match="they carry no torsion"):
         sequence_in_space(calibrated(twisted=False), both)
-    assert compare_in_space(calibrated(twisted=False))["T_error_pct"].isna().all()
+    assert compare_in_space(calibrated(twisted=False))["T_error_max_pct"].isna().all()
 
 
 def test_a_damaged_path_out_of_the_plane_is_refused(tmp_path) -> None:
@@ -327,8 +309,12 @@ def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
         assert refused.code == 2 and words in refused.err
     shown = command("compare", file, "--springs", "memory")
     assert "paths out of one plane" in shown.out and "elbow" in shown.out
-    found = json.loads(command("compare", file, "--json").out)["in_space"]
-    assert [row["path"] for row in found] == ["circle", "twist", "elbow"]
+    found = json.loads(command("compare", file, "--json").out)["rows"]
+    assert [row["path"] for row in found if row["springs_from"] == "paths out of one plane"] == [
+        "circle",
+        "twist",
+        "elbow",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: MIT
+"""Springs with memory in space, calibrated on the outside law of `space_paths`."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pysprings.memory import build
+from pysprings.memory.build import with_memory
+from pysprings.memory.calibration import calibrate
+from pysprings.memory.candidates import Candidates
+from pysprings.memory.samples import samples
+from pysprings.springs.springs import Springs
+from tests.support import space_paths
+from tests.support.winkler import REACH
+
+
+def planar(table, springs):
+    """Planar elements of the Winkler springs, from perfectly plastic candidates alone: quick to calibrate."""
+    sizes = np.geomspace(2e-3, 1.0, 7) * REACH
+    angles = np.arange(9) * np.pi / 9
+    plastic = np.array([[a, g, d, 0.0, REACH] for a in angles for g in (0.1, 0.3) for d in sizes])
+    none = [np.zeros((0, n)) for n in (3, 4, 3)]
+    scale = np.array([1.0, springs.length])
+    stiffness = springs.lateral_stiffness / scale / scale[:, None]
+    return calibrate(samples(springs, table), table, stiffness, Candidates(plastic, *none))
+
+
+@cache
+def calibrated(twisted=True):
+    """Springs on the outside law with their elements in space, as a file holds them."""
+    tree = space_paths.springs(twisted)
+    springs = Springs.of(tree)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "calibrate", lambda _ways, table, *_args, **_named: planar(table, springs))
+        return with_memory(tree)
