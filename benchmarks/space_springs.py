@@ -120,7 +120,7 @@ def least_work(model: SpaceSprings) -> float:
     random, worst = np.random.default_rng(44), np.inf
     for _ in range(LOOPS):
         corners = random.normal(size=(random.integers(2, 6), 5)) * model.reach * 10.0 ** random.uniform(-3.0, -0.3)
-        corners /= model.to_motion
+        corners /= [1.0, 1.0, -model.length, model.length, model.elements.radius]
         ends = np.concatenate([np.zeros((1, 5)), corners, np.zeros((1, 5))])
         way = np.concatenate([a + np.linspace(0, 1, 21)[1:, None] * (b - a) for a, b in itertools.pairwise(ends)])
         loads = np.concatenate([np.zeros((1, 5)), model.solve("state", way)[1]])

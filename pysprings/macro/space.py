@@ -20,7 +20,7 @@ from pysprings.core.path_kinds import HELD_BACK
 from pysprings.macro.answer import Care, raise_or_warn
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import RANGE_SLACK
-from pysprings.springs.path import SPACE_TURNS, SpacePath
+from pysprings.springs.path import SPACE_TURNS, SpacePath, in_planes
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import ZONE
 
@@ -202,7 +202,7 @@ def _row(springs: Springs, response: SpaceResponse, path: SpacePath) -> dict[str
         motions[:, 4], loads[:, 4] = 0.0, 0.0
     _, carried, held = response.solve("state", motions[1:])
     moved, _, stopped = response.solve("load", loads[1:])
-    given, own = path.loads(radius)[1:], path.scaled(carried, 1.0 / length, 1.0 / radius)
+    given, own = path.loads(radius)[1:], in_planes(carried, 1.0 / length, 1.0 / radius)
     size, whole = (float(np.linalg.norm(given[:, :n], axis=1).max()) for n in (4, 5))
     missing = np.abs(own - given[: len(own)])
     twists = not size > TWISTED * whole
@@ -216,7 +216,7 @@ def _row(springs: Springs, response: SpaceResponse, path: SpacePath) -> dict[str
         row[f"{name}_error_max_pct"] = np.nan if twists else 100.0 * worst / size
     row["p_error_max_pct"] = np.nan if twists else _p_error(path, response.reactions(motions)[:, :, : len(own) + 1])
     row["T_error_max_pct"] = 100.0 * float(missing[:, 4].max()) / whole if response.has_torsion else np.nan
-    known, found = path.motions(radius)[1:], path.scaled(moved, length, radius)
+    known, found = path.motions(radius)[1:], in_planes(moved, length, radius)
     far, wrong = float(np.linalg.norm(known[:, :4], axis=1).max()), np.abs(found - known[: len(found)])
     for name, first in (("u", 0), ("rotation", 1)):
         worst = float(np.hypot(wrong[:, first], wrong[:, first + 2]).max(initial=0.0))

@@ -27,13 +27,12 @@ from pysprings.memory.calibration import ElementSet, SpaceElements
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
 from pysprings.memory.offered import Offered, elastic_motions
 from pysprings.memory.shares import loads_of
-from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, in_planes, out_of_planes
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
-_ORDER = np.array([0, 3, 1, 2, 4])  # of SPACE_TURNS, as elements take them
-TOGETHER = 0.02  # share of the load above which torsion and lateral loads act together
+BOTH_ACT = 0.02  # share of the load above which torsion and lateral loads act together
 MISSING = (
     "no complete path that leaves the plane calibrates them: one plane does not show how the soil reacts to loads from "
     "several sides. "
@@ -99,27 +98,28 @@ class SpaceSprings:
         return self.elements.twist > 0.0
 
     @property
-    def to_motion(self) -> Array:
-        """Factors (5,) from SPACE_TURNS to the motions of elements [m]; loads have their inverse."""
-        return np.array([1.0, 1.0, -self.length, self.length, self.elements.radius])
+    def _lengths(self) -> tuple[float, float]:
+        return self.length, self.elements.radius
+
+    @property
+    def _per_lengths(self) -> tuple[float, float]:
+        return 1.0 / self.length, 1.0 / self.elements.radius
 
     def motions_of(self, turns: Array) -> Array:
         """Return the motions (n, 5) of elements [m] of (u_x, u_y, rot_x, rot_y, rot_z) (n, 5)."""
-        return np.ascontiguousarray((turns * self.to_motion)[:, _ORDER])
+        return np.ascontiguousarray(in_planes(turns, *self._lengths))
 
     def loads_of(self, pushes: Array) -> Array:
         """Return the loads (n, 5) of elements [N] of (H_x, H_y, M_x, M_y, T) (n, 5)."""
-        return np.ascontiguousarray((pushes / self.to_motion)[:, _ORDER])
+        return np.ascontiguousarray(in_planes(pushes, *self._per_lengths))
 
     def turns_of(self, motions: Array) -> Array:
         """Return (u_x, u_y, rot_x, rot_y, rot_z) (n, 5) of motions (n, 5) of elements."""
-        found: Array = motions[:, np.argsort(_ORDER)] / self.to_motion
-        return found
+        return out_of_planes(motions, *self._lengths)
 
     def pushes_of(self, loads: Array) -> Array:
         """Return (H_x, H_y, M_x, M_y, T) (n, 5) of loads (n, 5) of elements."""
-        found: Array = loads[:, np.argsort(_ORDER)] * self.to_motion
-        return found
+        return out_of_planes(loads, *self._per_lengths)
 
     def solve(self, control: SpaceControl, targets: Array) -> tuple[Array, Array, str]:
         """Follow targets (n, 5), SPACE_TURNS ("state") or SPACE_LOADS ("load"), from rest.
@@ -168,9 +168,7 @@ class SpaceSprings:
 
     def in_turns(self, found: Array) -> Array:
         """Return tangents (..., 5, 5) of elements as those of SPACE_LOADS to SPACE_TURNS."""
-        back = np.argsort(_ORDER)
-        scaled: Array = found[..., back[:, None], back] * self.to_motion * self.to_motion[:, None]
-        return scaled
+        return self.pushes_of(np.swapaxes(self.pushes_of(found), -1, -2)).swapaxes(-1, -2)
 
     def reactions(self, turns: Array) -> Array:
         """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions (n, 5) from rest on."""
@@ -192,7 +190,7 @@ class SpaceSprings:
         """Return where both torsion and a lateral load act, for loads (n, 5)."""
         loads = self.loads_of(pushes)
         lateral, twist = np.linalg.norm(loads[:, :4], axis=1), np.abs(loads[:, 4])
-        both: Marks = np.minimum(lateral, twist) > TOGETHER * np.maximum(lateral, twist)
+        both: Marks = np.minimum(lateral, twist) > BOTH_ACT * np.maximum(lateral, twist)
         return both
 
     def answer(

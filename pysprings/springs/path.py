@@ -262,6 +262,18 @@ class SpringPath(RecordedPath):
         return SpringPath(self.name, self.dataset.isel(step=list(steps)), self.length)
 
 
+def in_planes(values: Array, length: float, radius: float) -> Array:
+    """Return SPACE_TURNS (..., 5) as (u_x, rot_y L, u_y, -rot_x L, rot_z R), or SPACE_LOADS for 1/L and 1/R."""
+    found: Array = values[..., [0, 3, 1, 2, 4]] * np.array([1.0, length, 1.0, -length, radius])
+    return found
+
+
+def out_of_planes(values: Array, length: float, radius: float) -> Array:
+    """Return what `in_planes` gives for the same lengths as what it was made of."""
+    found: Array = (values / np.array([1.0, length, 1.0, -length, radius]))[..., [0, 2, 3, 1, 4]]
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class SpacePath(RecordedPath):
     """A path that leaves the plane of one load: motions `u_x, u_y, w, rot_x, rot_y, rot_z`, loads `H_x ... T`."""
@@ -276,22 +288,17 @@ class SpacePath(RecordedPath):
 
     def motions(self, radius: float) -> Array:
         """Return (u_x, rot_y L, u_y, -rot_x L, rot_z R) (n, 5) [m] from rest; radius R [m] at the wall."""
-        return self.scaled(self.turns(), self.length, radius)
+        return in_planes(self.turns(), self.length, radius)
 
     def loads(self, radius: float) -> Array:
         """Return (H_x, M_y/L, H_y, -M_x/L, T/R) (n, 5) [N] from rest, conjugate to `motions`."""
-        return self.scaled(self.pushes(), 1.0 / self.length, 1.0 / radius)
+        return in_planes(self.pushes(), 1.0 / self.length, 1.0 / radius)
 
     def reactions(self) -> Array:
         """Return p of both sides in the planes of x and y, (2, depth, n) [N/m], from rest."""
         p = np.stack([self.dataset[f"p_{axis}"].sum("side").transpose("depth", "step").values for axis in "xy"])
         found: Array = p - p[:, :, :1]
         return found
-
-    @staticmethod
-    def scaled(values: Array, length: float, radius: float) -> Array:
-        """Return motions or loads (n, 5) in the order and with the units of `motions` or `loads`."""
-        return values[:, [0, 3, 1, 2, 4]] * np.array([1.0, length, 1.0, -length, radius])
 
     def _from_rest(self, names: Sequence[str]) -> Array:
         values = np.stack([self[name] for name in names], axis=1)
@@ -315,12 +322,6 @@ def paths_of(tree: xr.DataTree, of_mesh: bool = False) -> dict[str, RecordedPath
     nodes = tree.children["paths"].children if "paths" in tree.children else {}
     length = float(tree.attrs.get("skirt_length_m", np.nan))
     return {name: RecordedPath(name, _recorded(node, of_mesh), length) for name, node in nodes.items()}
-
-
-def paths_off_plane(tree: xr.DataTree) -> dict[str, xr.Dataset]:
-    """Return the paths of a result that leave a plane, by name, in six degrees of freedom."""
-    nodes = tree.children["space"].children if "space" in tree.children else {}
-    return {name: node.to_dataset(inherit=False) for name, node in nodes.items()}
 
 
 def _recorded(node: xr.DataTree, of_mesh: bool) -> xr.Dataset:

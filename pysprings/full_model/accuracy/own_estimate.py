@@ -24,7 +24,7 @@ from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import ground_of_sections
-from pysprings.springs.path import paths_of, paths_off_plane
+from pysprings.springs.path import paths_of, space_paths_of
 from pysprings.springs.path_ends import MESH_ERROR
 
 if TYPE_CHECKING:
@@ -263,7 +263,7 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     covered = given.get("extrapolated", {}).get("paths", ())
     stopped = {name: why for name, why in companions.stopped.items() if name not in covered}
     if stopped and estimate["estimate_pct"]:
-        all_paths = {**paths_of(coarse), **paths_off_plane(coarse)}
+        all_paths = {**paths_of(coarse), **space_paths_of(coarse)}
         estimate |= {"companion_stopped": stopped, "companion_paths": len(all_paths)}
     record.error_estimate = estimate
     by_path = estimate.get("by_path", {})

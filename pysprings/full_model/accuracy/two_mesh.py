@@ -35,7 +35,7 @@ from pysprings.full_model.accuracy.curves import (
 )
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
-from pysprings.springs.path import paths_of, paths_off_plane
+from pysprings.springs.path import paths_of, space_paths_of
 
 if TYPE_CHECKING:
     from pysprings.scene.load import Scene
@@ -110,11 +110,11 @@ def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
     """Return the difference [%] of two results by path and measure, of the paths that both have."""
     by_path = samples({"fine": curves_of(fine, of_mesh=True), "coarse": curves_of(coarse, of_mesh=True)})
     found = {name: measures.errors(each["coarse"], each["fine"]) for name, each in by_path.items()}
-    others, none = paths_off_plane(coarse), dict.fromkeys(measures.MEASURES, float("nan"))
-    for name, path in paths_off_plane(fine).items():
+    others, none = space_paths_of(coarse), dict.fromkeys(measures.MEASURES, float("nan"))
+    for name, path in space_paths_of(fine).items():
         if name in others:
             length, radius = float(fine.attrs["skirt_length_m"]), 0.5 * float(fine.attrs["outer_diameter_m"])
-            found[name] = none | {"load_max": off_plane_error(path, others[name], length, radius)}
+            found[name] = none | {"load_max": off_plane_error(path.recorded, others[name].recorded, length, radius)}
     return found
 
 

@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import LOADS, MOTIONS
-from pysprings.springs.path import RecordedPath, paths_of, paths_off_plane
+from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 from pysprings.springs.sums import by_depth, net_m
 
 # Column -> variable of a result path. The order is part of the public contract.
@@ -74,7 +74,7 @@ def load_displacement(result: xr.DataTree) -> pd.DataFrame:
     Where a path leaves the plane of x, all have the columns of six degrees of freedom.
     """
     paths, columns = {name: each.recorded for name, each in paths_of(result).items()}, LOAD_DISPLACEMENT
-    space = paths_off_plane(result)
+    space = {name: each.recorded for name, each in space_paths_of(result).items()}
     if space or any(path.attrs.get("direction_rad") for path in paths.values()):
         paths, columns = {name: _turned(path) for name, path in paths.items()}, IN_SPACE
         paths |= space

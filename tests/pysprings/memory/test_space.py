@@ -4,6 +4,7 @@
 import itertools
 import json
 import warnings
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, UserInputError
+from pysprings.core.variables import TORSION
 from pysprings.macro.answer import MacroWarning
 from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import SPACE_NOTE, to_text
@@ -32,6 +34,8 @@ from pysprings.memory.elements import (
     tangents,
 )
 from pysprings.memory.offered import AZIMUTHS, Offered, in_space, numbers_in_space, numbers_of, offered
+from pysprings.memory.samples import samples
+from pysprings.memory.space import calibrate_in_space, torsion_elements, way_out
 from pysprings.memory.space_model import SpaceSprings, SpaceStepper
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.checks import RESULT, open_springs, save_springs
@@ -276,13 +280,70 @@ def test_a_damaged_path_out_of_the_plane_is_refused(tmp_path) -> None:
         ("H_x", lambda path: path["H_x"].values.__setitem__(3, np.nan), "space/circle/H_x: not finite"),
         ("role", lambda path: path.attrs.update(role="calibration"), "space/circle/role: attribute must be one of"),
         ("T", lambda path: path.__delitem__("T"), "space/circle/T: missing variable"),
+        ("kind", lambda path: path.attrs.update(kind="round"), "space/circle/kind: attribute must be one of"),
+        ("depth", lambda path: path.assign_coords(depth=path["depth"] + 0.1), "space/circle/depth: is not that of"),
+        ("start", lambda path: path["converged"].values.__setitem__(0, 0), "space/circle/converged: needs the initial"),
+        ("one", lambda path: path["converged"].values.__setitem__(slice(1, None), 0), "space/circle/converged: needs"),
+        ("p_y", lambda path: path["p_y"].values.__setitem__((2, 0, 5), np.inf), "space/circle/p_y: not finite"),
     ):
         tree = space_paths.springs().copy(deep=True)
         path = tree["space/circle"].to_dataset(inherit=False).copy(deep=True)
-        change(path)
+        path = change(path) or path
         groups = {node.path: node.to_dataset(inherit=False) for node in tree.subtree} | {"/space/circle": path}
         with pytest.raises(UserInputError, match=words):
             save_springs(type(tree).from_dict(groups, name=tree.name), tmp_path / f"{name}.nc")
+
+
+def test_paths_of_another_vertical_load_or_partial_ones_do_not_calibrate() -> None:
+    """A circle under another V than that of the rays is left out."""
+    tree = calibrated().copy(deep=True)
+    assert [path.name for path in Springs.of(tree).turning] == ["circle", "twist"]
+    tree["space/circle"]["V"].values[:] *= 1.5
+    assert [path.name for path in Springs.of(tree).turning] == ["twist"]
+    with pytest.raises(UserInputError, match="no complete path that leaves the plane"):
+        sequence_in_space(tree, [[1e5, 0.0, 0.0, 0.0, 0.0]])
+
+
+def test_elements_of_torsion_have_the_stiffness_of_the_full_model_at_rest() -> None:
+    """T/R over R rot_z: K_T/R^2, also where that is half of what the twist begins with."""
+    springs, reach = Springs.of(space_paths.springs()), REACH
+    (twist,) = (way_out(path, RADIUS, reach) for path in springs.turning if path.kind == "twist")
+    for known, within in ((space_paths.TORSION, 0.03), (0.5 * space_paths.TORSION, 0.03)):
+        springs.attrs[TORSION] = known
+        stiff = replace(twist, weights=1e-6 * twist.weights)  # what the twist says does not count
+        rows, _ = torsion_elements([stiff], springs, reach)
+        assert rows[:, 4].sum() == pytest.approx(known / RADIUS**2, rel=within)
+    assert np.all(rows[:, 12] == 1.0) and not rows[:, 10:12].any()
+
+
+def test_planar_ways_count_along_x_and_turned_by_half_of_the_angle_between_planes(monkeypatch) -> None:
+    tree, found = space_paths.springs(), []
+    springs = Springs.of(tree)
+    table = build_fan(springs)
+    plane, ways = planar(table, springs), samples(springs, table)
+
+    def kept(_choice, known, *_args):
+        found.extend(known)
+        raise StopIteration
+
+    monkeypatch.setattr("pysprings.memory.space.fitted", kept)
+    with pytest.raises(StopIteration):
+        calibrate_in_space(springs, plane, ways, table, np.eye(2))
+    assert len(found) == 2 * len(ways) + 1  # and the circle
+    half = 0.5 * np.pi / AZIMUTHS
+    for (motions, loads, _), (way, push, _) in zip(found, found[len(ways) : -1], strict=False):
+        for one, other in ((motions, way), (loads, push)):
+            np.testing.assert_allclose(other[:, :2], np.cos(half) * one)
+            np.testing.assert_allclose(other[:, 2:4], np.sin(half) * one)
+
+
+def test_a_twist_uses_the_range_of_the_twist() -> None:
+    model = SpaceSprings.of(calibrated())
+    reach, far = model.reach, float(Springs.of(calibrated()).space["twist"]["rot_z"].max())
+    turns = np.array([[0.0, 0, 0, 0, 0.5 * far], [0.1 * reach, 0, 0, 0, -1.5 * far], [0.8 * reach, 0, 0, 0, 0.1 * far]])
+    np.testing.assert_allclose(model.range_used(turns), [0.5, 1.5, 0.8], rtol=1e-6)
+    with pytest.raises(BeyondSprings, match=r"beyond the range .* 1.5 times"):
+        sequence_in_space(calibrated(), turns[1:2], control="state")
 
 
 def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
