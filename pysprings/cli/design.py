@@ -71,7 +71,7 @@ def design(
         files.check_ending(file)
     if in_report:
         files.check_run(result)
-    read = read_load_cases(cases := cases or _cases_of(result))
+    read = read_load_cases(used := cases or _cases_of(result))
     answers, table, springs = _answers(
         result, strict, lambda springs: answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set,
                                                      path=path),
@@ -79,7 +79,7 @@ def design(
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
-    about = {"answered by": str(result), "load cases": str(cases), "tilt tolerated": tilt or "as in the table"}
+    about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": tilt or "as in the table"}
     about |= (record.summary if record else None) or {}
     for file in out or ():
         files.write(file, answers, about, springs)
@@ -89,6 +89,8 @@ def design(
         more = {} if answers is table else {"estimates": answers.to_dict("records")}
         print_json({"about": about, "cases": table.to_dict("records"), **more})
     else:
+        if cases is None:
+            print(f"load cases: {used} as it is now ([design] cases of the run)\n")
         print_table(text.table_of(table, brief=True))
         print(f"\n{text.closing(table)}")
         for file in out or ():
@@ -116,8 +118,8 @@ def _cases_of(result: Path) -> Path:
 
 def _answers(
     result: Path, strict: bool, answer: Callable[[AnySprings], pd.DataFrame]
-) -> tuple[pd.DataFrame, pd.DataFrame, AnySprings]:
-    """Return all answers, those that govern (of several estimates the largest over them), and the first springs."""
+) -> tuple[pd.DataFrame, pd.DataFrame, AnySprings | None]:
+    """Return all answers, those that govern (of several estimates the largest over them), and the springs of one."""
     from pysprings.cli.inputs import springs_or_table
     from pysprings.results.estimates import folders_of
     from pysprings.studies.design import governing
@@ -125,4 +127,4 @@ def _answers(
     sets = folders_of(result)
     opened = {name: springs_or_table(place, None, strict) for name, place in (sets or {"": result}).items()}
     tables = {name: answer(springs) for name, springs in opened.items()}
-    return *(governing(tables) if sets else (tables[""], tables[""])), next(iter(opened.values()))
+    return (*governing(tables), None) if sets else (tables[""], tables[""], opened[""])

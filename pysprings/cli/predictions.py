@@ -14,7 +14,7 @@ from pysprings.core.errors import printable
 from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.process import uninterrupted
 from pysprings.core.text import json_text
-from pysprings.core.words import RANGE_END
+from pysprings.core.words import NOT_KNOWN, RANGE_END
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
 
@@ -111,6 +111,8 @@ def capacity(states: xr.Dataset) -> str:
     attrs = states.attrs
     if "capacity_kind" not in attrs:
         return ""
+    if attrs["capacity_kind"] == NOT_KNOWN:
+        return f"capacity in this direction: {NOT_KNOWN} ({attrs['capacity_from']})"
     loads = [float(attrs[key]) for key in ("capacity_H_N", "capacity_M_Nm")]
     force, moment = (0.0 if abs(load) <= ROUNDING * max(map(abs, loads)) else 1e-3 * load for load in loads)
     used = 100.0 * float(states["utilisation"].values[-1])

@@ -29,9 +29,25 @@ def close_loads(values: Array | float, other: Array | float) -> NDArray[np.bool_
 
     `benchmarks.macro` prints how much a tenth of V changes loads.
     """
-    most = np.maximum(CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD)
-    near: NDArray[np.bool_] = np.abs(np.subtract(values, other)) <= most * (1.0 + 1e-9)  # of loads that are rounded
+    near: NDArray[np.bool_] = _apart(values, other) <= 1.0 + 1e-9  # of loads that are rounded
     return near
+
+
+def _apart(values: Array | float, other: Array | float) -> Array:
+    """Return differences of vertical loads [N] over the largest of `close_loads`."""
+    most = np.maximum(CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD)
+    return np.abs(np.subtract(values, other)) / most
+
+
+def _apart(values: Array | float, other: Array | float) -> Array:
+    """Return differences of vertical loads [N] over the largest of `close_loads`."""
+    most = np.maximum(CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD)
+    return np.abs(np.subtract(values, other)) / most
+
+
+def nearest(values: Array, loads: Array) -> NDArray[np.intp]:
+    """Return which of loads (m,) [N] is nearest to each vertical load (n,) [N], by the measure of `close_loads`."""
+    return _apart(values[:, None], loads).argmin(axis=1)
 
 
 def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:

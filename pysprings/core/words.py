@@ -20,7 +20,8 @@ FigureFormat = Literal["png", "svg", "png,svg"]
 Estimate = Literal["low", "best", "high"]  # which end of the ranges of a scene counts
 ESTIMATES: tuple[Estimate, ...] = ("low", "best", "high")
 
-RANGE_END = "end of the range"  # kind of the largest known load of an answer that is no capacity: more is not known
+# kinds of the largest known load of an answer that is no capacity: more is not known; nothing is
+RANGE_END, NOT_KNOWN = "end of the range", "not known"
 
 
 class StopReason(StrEnum):

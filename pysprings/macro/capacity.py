@@ -14,7 +14,7 @@ the full model), and the load grows by less than `FLAT` of the relative growth o
 sand 2 % of the stiffness at rest are left at half of the capacity (growth 0.2 to 0.4), in clay at 95 % of it (growth
 below 0.1). Else the load is what is known, and the capacity is larger. A limit load of the full model in this direction
 and at this vertical load comes first: beyond it the macro-model has no answer, nor beyond the range of springs whose
-path met a limit load (`past_ends`).
+path met a limit load (`past_ends`). Where V is beyond the largest known vertical load, no H and M are known.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.vertical_loads import close_loads
-from pysprings.core.words import RANGE_END
+from pysprings.core.words import NOT_KNOWN, RANGE_END
 from pysprings.macro.solver import follow_ways
+from pysprings.macro.vertical_answer import SLACK, vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SAME_DIRECTION
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
@@ -51,14 +52,13 @@ ONE_WAY = 1e-12  # angles are rounded to it [rad]: loads in proportion have one 
 
 FULL_LIMIT, SPRING_LIMIT = "limit load of the full model", "limit load of the springs"
 LARGEST_MOTION = "largest motion"
-NOT_KNOWN = "not known"  # without a utilisation
 
 
 @dataclass(frozen=True, slots=True)
 class Capacities:
     """Largest known loads along n loads: H [N], M [N m], kind, words on where it comes from; share of it that is used.
 
-    H, M and utilisation are NaN for a load of zero.
+    H, M and utilisation are NaN for a load of zero, and where the kind is `NOT_KNOWN`.
     """
 
     H: Array
@@ -93,10 +93,13 @@ def capacities(model: MacroModel, loads: Array, V: Array | None = None) -> Capac
     for each, rows in limit_loads_along(model, directions, None if V is None else V[loaded]):
         largest[rows] = np.hypot(each.H, each.M / model.length)
         out.kind[loaded[rows]], out.source[loaded[rows]] = FULL_LIMIT, f"path '{each.path}' {each.words}"
-    out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T
     none = largest <= 0.0  # no load is known that far
-    out.kind[loaded[none]] = NOT_KNOWN
-    out.utilisation[loaded[~none]] = size[loaded[~none]] / largest[~none]
+    if V is not None:
+        beyond = vertical_use(model, V[loaded])["utilisation_V"] > 1.0 + SLACK
+        out.source[loaded[beyond]], none = "V is beyond the largest known vertical load", none | beyond
+    largest[none], out.kind[loaded[none]] = np.nan, NOT_KNOWN
+    out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T
+    out.utilisation[loaded] = size[loaded] / largest
     return out
 
 
@@ -106,7 +109,9 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     largest = capacities(model, loads, answer["V"].values if "V" in answer else None)
     known = variables.GROUPS["prediction"]["utilisation"]
     answer = with_bound(model, answer, loads, largest.utilisation)
-    added = answer.assign(utilisation=(known.dims, np.nan_to_num(largest.utilisation, nan=0.0), known.attributes()))
+    added = answer.assign(
+        utilisation=(known.dims, np.where(largest.kind == "", 0.0, largest.utilisation), known.attributes())
+    )
     return added.assign_attrs(largest.attributes()) if len(loads) else added
 
 

@@ -55,8 +55,8 @@ def design_clashes(design: Design) -> Iterator[Clash]:
 def take_cases(data: dict[str, Any], folder: Path) -> tuple[list[tuple[KeyPath, str]], Sequence[Problem]]:
     """Put the path of the table of cases, seen from here, and the loads of `vertical_loads = "from cases"` into data.
 
-    The loads are the fewest that are within 10 % of every V of the table which is not within 10 % of that of the
-    caisson. Return what is wrong with keys of the scene, and with the table.
+    The loads are the fewest that are within 10 % of every V of a case with a lateral load which is not within 10 % of
+    that of the caisson. Return what is wrong with keys of the scene, and with the table.
     """
     design, springs, caisson = (data.get(name) for name in ("design", "springs", "caisson"))
     file = design.get("cases") if isinstance(design, dict) else None
@@ -83,10 +83,12 @@ def take_cases(data: dict[str, Any], folder: Path) -> tuple[list[tuple[KeyPath, 
 
 def _loads_of(file: str, rest: float) -> tuple[float, ...]:
     """Return the further vertical loads [N] of a table of cases, beside the one at rest. Raises UserInputError."""
-    V = read_load_cases(file).V
-    if np.isnan(V).all():
-        raise refused("V", "no case has one: springs.vertical_loads takes its loads from this column", file)
-    found = fewest_loads(V[~np.isnan(V)].tolist(), rest)
+    cases = read_load_cases(file)
+    given = ~np.isnan(cases.V)
+    if not (given & cases.lateral).any():
+        text = "no case has one" if not given.any() else "no case that has one has a lateral load"
+        raise refused("V", f"{text}: springs.vertical_loads takes its loads from this column", file)
+    found = fewest_loads(cases.V[given & cases.lateral].tolist(), rest)
     if len(found) > MOST_SETS:
         span = f"from {show(found[0], 'MN')} to {show(found[-1], 'MN')}"
         text = f"{span}: {len(found)} further sets of springs, at most {MOST_SETS}; list springs.vertical_loads instead"

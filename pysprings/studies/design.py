@@ -21,7 +21,7 @@ from pysprings.core.errors import refused
 from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.planes import InPlane
 from pysprings.core.text import number
-from pysprings.core.vertical_loads import close_loads
+from pysprings.core.vertical_loads import close_loads, nearest
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
 from pysprings.macro.model import typed
@@ -189,21 +189,25 @@ def _with_sets(
         return frame
     loads = np.array([each.V for each in springs.load_sets])
     V = np.where(np.isnan(cases.V), springs.rest_load, cases.V)
-    near = loads[np.abs(V[:, None] - loads).argmin(axis=1)]
+    near = loads[nearest(V, loads)]
     out = frame.assign(V_springs_N=near)
-    far = np.flatnonzero(~close_loads(V, near) & (frame["answered"] == 1) & (loads.size > 1))
+    far = np.flatnonzero(~close_loads(V, near) & cases.lateral & (frame["answered"] == 1) & (loads.size > 1))
     if not far.size:
         return out
     above = np.clip(np.searchsorted(loads, V[far]), 1, loads.size - 1)
     sides = loads[above - 1], loads[above]
-    found = [answer_loads(springs, cases.loads[far], each, extrapolate, **choice) for each in sides]
+    names = ["answered", *(name for name, *_ in _AT_SETS)]
+    answers = (answer_loads(springs, cases.loads[far], each, extrapolate, **choice)[names] for each in sides)
+    found = [each.to_dataframe().to_dict("records") for each in answers]
     for k, row in enumerate(far):
-        span = " and ".join(f"{number(1e-6 * float(each[k]))}" for each in sides)
-        inside = "V between the springs, interpolated; " * bool(loads[0] < V[row] < loads[-1])
-        values = [f"{words} {' and '.join(number(scale * float(each[name][k]), 3) for each in found)}{unit}"
+        ends = [(number(1e-6 * float(at[k])), each[k]) for at, each in zip(sides, found, strict=True)]
+        known = [(at, each) for at, each in ends if each["answered"]]
+        values = [f"{words} {' and '.join(number(scale * each[name], 3) for _, each in known)}{unit}"
                   for name, words, scale, unit in _AT_SETS]  # fmt: skip
-        text = f"{inside}at V {span} MN: {', '.join(values)}"
-        out.loc[row, "marks"] = "; ".join(filter(None, [out["marks"][row], text]))
+        texts = [out["marks"][row], "V between the springs, interpolated" * bool(loads[0] < V[row] < loads[-1])]
+        texts += [f"at V {' and '.join(at for at, _ in known)} MN: {', '.join(values)}"] * bool(known)
+        texts += [f"beyond the springs at {at} MN" for at, each in ends if not each["answered"]]
+        out.loc[row, "marks"] = "; ".join(filter(None, texts))
     return out
 
 
@@ -270,8 +274,8 @@ def check_ending(file: Path) -> None:
         raise refused("--out", "is a folder, not a file", file)
 
 
-def write(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings) -> Path:
-    """Write answers (`answer_cases`) of springs to a file; `about` are lines on what made them. Returns the path."""
+def write(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings | None) -> Path:
+    """Write answers (`answer_cases`) of springs (None: of several) to a file, with lines on what made them."""
     check_ending(file)
     ending = file.suffix.lower()
     if ending == ".csv":
@@ -311,7 +315,7 @@ def _workbook(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path
     return write_sheet(file, [column.head for column in columns], cells, notes)
 
 
-def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings) -> Path:
+def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings | None) -> Path:
     from pysprings.results.report.page import page_html, picture_of_cases
 
     cases, drawn = replace(text.table_of(table), title=""), picture_of_cases(table, springs)

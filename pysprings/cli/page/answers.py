@@ -215,7 +215,8 @@ def numbers(answer: Answer, source: Source, values: Values) -> list[tuple[str, s
         last = answer.way.isel(step=-1)
         facts["u"] = f"{1e3 * float(last['u']):.5g} mm"
         facts["tilt"] = f"{math.degrees(float(last['rotation'])):.5g} deg"
-        facts["utilisation"] = f"{100.0 * float(last['utilisation']):.4g} %"
+        if np.isfinite(float(last["utilisation"])):
+            facts["utilisation"] = f"{100.0 * float(last['utilisation']):.4g} %"
         if "utilisation_V" in last and np.isfinite(float(last["utilisation_V"])):
             facts["V used"] = f"{100.0 * float(last['utilisation_V']):.4g} %"
     elif answer.question is not None and answer.onward is not None and answer.largest is not None:

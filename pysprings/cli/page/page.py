@@ -162,7 +162,7 @@ class Page:
             scene = self.source.scene(values)
             with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
                 if scene is not None:
-                    archive.writestr("scene.toml", scene.to_toml())
+                    archive.writestr("scene.toml", scene.replace(design={"cases": None}).to_toml())
                 springs = save_springs(self.source.springs(values), Path(place) / "springs.nc")
                 archive.write(springs, springs.name)
                 archive.writestr("command.txt", answers.command_of(values, self.source) + "\n")

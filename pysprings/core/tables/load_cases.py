@@ -93,6 +93,12 @@ class LoadCases:
         return np.stack([self.H, self.M], axis=1)
 
     @property
+    def lateral(self) -> NDArray[np.bool_]:
+        """Which cases have a lateral load or a moment."""
+        lateral: NDArray[np.bool_] = (self.H != 0.0) | (self.M != 0.0) | (self.across != 0.0)
+        return lateral
+
+    @property
     def aside(self) -> NDArray[np.bool_]:
         """Which cases have a moment across the plane of H, or a torsion."""
         return (self.across != 0.0) | (self.torsion != 0.0)

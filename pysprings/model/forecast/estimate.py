@@ -11,7 +11,7 @@ import numpy as np
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
 from pysprings.core.tables.load_cases import read_load_cases
-from pysprings.core.vertical_loads import close_loads
+from pysprings.core.vertical_loads import close_loads, nearest
 from pysprings.model.build import Built
 from pysprings.model.contact import defaults_of, penalty_of
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
@@ -105,7 +105,7 @@ def _by_load(scene: Scene, rest: float, time: float, unknowns: int) -> tuple[lis
         return [], []
     cases = None if scene.design.cases is None else read_load_cases(scene.design.cases)
     V = np.zeros(0) if cases is None else np.where(np.isnan(cases.V), rest, cases.V)
-    place = np.abs(V[:, None] - loads).argmin(axis=1)
+    place = nearest(V, loads)
     of_path = np.array([rest if each.vertical_load is None else each.vertical_load for each in scene.all_paths])
     cost = np.array(path_seconds(scene, unknowns))
     rows = [
@@ -114,11 +114,12 @@ def _by_load(scene: Scene, rest: float, time: float, unknowns: int) -> tuple[lis
          **({} if cases is None else {"cases": int((place == k).sum())})}
         for k, load in enumerate(loads)
     ]  # fmt: skip
-    far = np.flatnonzero(~close_loads(V, loads[place]))
+    far = np.flatnonzero(~close_loads(V, loads[place]) & (cases is not None and cases.lateral))
     if cases is None or not far.size:
         return rows, []
     names = ", ".join(cases.name[k] for k in far[:MOST_NAMED]) + " ..." * (far.size > MOST_NAMED)
-    return rows, [f"V of {far.size} load cases is more than 10 % from that of all springs: {names}"]
+    of = f"{far.size} load case{'s' * (far.size > 1)}"
+    return rows, [f"V of {of} is more than 10 % from that of all springs: {names}"]
 
 
 def _cyclic(scene: Scene) -> dict[str, list[dict[str, Any]]]:

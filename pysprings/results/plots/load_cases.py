@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import PyspringsError
-from pysprings.core.vertical_loads import CLOSE_LOAD
+from pysprings.core.vertical_loads import CLOSE_LOAD, close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.vertical_answer import largest_vertical
@@ -38,7 +38,7 @@ MOST_NAMED = 12  # cases with their names: those of the largest utilisation
 
 
 @styled
-def load_cases(table: pd.DataFrame, springs: AnySprings) -> Figure:
+def load_cases(table: pd.DataFrame, springs: AnySprings | None) -> Figure:
     """Draw |H| over V [MN] of load cases, and above each the largest known load in its direction at its V.
 
     Parameters
@@ -47,11 +47,13 @@ def load_cases(table: pd.DataFrame, springs: AnySprings) -> Figure:
         Answers to load cases in SI (`pysprings design`), a row a case.
     springs
         Those that answered: their vertical loads are grey lines in bands of 10 %, the largest that they carry blue.
+        None: they were several, whose lines differ.
     """
     figure = new_figure(9.6, 4.8)
     axes = figure.subplots()
     shown = table[table["V_N"].notna() & table["H_N"].notna()]
-    _springs(axes, springs)
+    if springs is not None:
+        _springs(axes, springs)
     _capacities(axes, shown)
     for verdict, part in shown.groupby("verdict"):
         mark, colour = MARKS.get(str(verdict), ("X", VERMILLION))
@@ -92,10 +94,12 @@ def _springs(axes: Axes, springs: AnySprings) -> None:
 def _capacities(axes: Axes, shown: pd.DataFrame) -> None:
     """Draw the largest known H of each case, open where it is the end of the range, and the way to it.
 
-    Cases of one load height are joined over V.
+    Cases of one load height are joined over V. Where springs have no set within 10 % of V it is not that at V: grey.
     """
     known = shown[np.isfinite(shown["H_capacity_N"].astype(float)) & (shown["H_N"] != 0.0)]
-    for arm, part in known.groupby((known["M_Nm"] / known["H_N"]).round(2)):
+    close = close_loads(*(known.get(name, known["V_N"]).to_numpy(float) for name in ("V_N", "V_springs_N")))
+    near = known[close]
+    for arm, part in near.groupby((near["M_Nm"] / near["H_N"]).round(2)):
         ordered = part.drop_duplicates("V_N").sort_values("V_N")
         if len(ordered) > 1:
             ends = MN * ordered["V_N"], MN * ordered["H_capacity_N"].abs()
@@ -105,11 +109,14 @@ def _capacities(axes: Axes, shown: pd.DataFrame) -> None:
     for row in known.to_dict("records"):
         heights = [MN * abs(row["H_N"]), MN * abs(row["H_capacity_N"])]
         axes.plot([MN * row["V_N"]] * 2, heights, color=GREY, linewidth=0.8, zorder=2)
-    for end, face in ((False, INK), (True, "white")):
-        part = known[(known["capacity_kind"] == RANGE_END) == end]
+    end = near["capacity_kind"] == RANGE_END
+    for part, colour, face, words in (
+        (near[~end], INK, INK, "largest H in the direction of the case"),
+        (near[end], INK, "white", "largest H known, capacity is larger"),
+        (known[~close], GREY, GREY, "largest H of springs that are not of this V"),
+    ):
         if len(part):
-            words = "largest H known, capacity is larger" if end else "largest H in the direction of the case"
             axes.plot(
-                MN * part["V_N"], MN * part["H_capacity_N"].abs(), "o", color=INK, markerfacecolor=face, markersize=5,
-                linestyle="none", label=words, zorder=3,
+                MN * part["V_N"], MN * part["H_capacity_N"].abs(), "o", color=colour, markerfacecolor=face,
+                markersize=5, linestyle="none", label=words, zorder=3,
             )  # fmt: skip

@@ -122,7 +122,7 @@ COLUMNS = (
     Column("H [kN]", "H_N", factor=KN),
     Column("M [kN m]", "M_Nm", factor=KN),
     Column("V [kN]", "V_N", factor=KN),
-    Column("V of springs [kN]", "V_springs_N", factor=KN, brief=False),
+    Column("nearest V of springs [kN]", "V_springs_N", factor=KN, brief=False),
     Column("u [mm]", "u_m", factor=MM),
     Column("w [mm]", "w_m", factor=MM, brief=False),
     Column("rotation [deg]", "rotation_rad", factor=math.degrees(1.0)),

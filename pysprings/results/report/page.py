@@ -285,7 +285,7 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
     return parts
 
 
-def picture_of_cases(cases: pd.DataFrame, springs: AnySprings) -> list[Picture]:
+def picture_of_cases(cases: pd.DataFrame, springs: AnySprings | None) -> list[Picture]:
     """Return the picture of answers to load cases over V; none of springs without V."""
     if cases["V_N"].isna().all():
         return []

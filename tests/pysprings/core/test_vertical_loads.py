@@ -5,10 +5,10 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pysprings.core.vertical_loads import close_loads, fewest_loads
+from pysprings.core.vertical_loads import close_loads, fewest_loads, nearest
 
 
 @pytest.mark.parametrize(
@@ -42,3 +42,11 @@ def test_every_value_is_close_to_a_load_and_no_fewer_loads_do(values: list[float
     inside = 1.0 - 1e-8 * np.sign(ends)
     for fewer in itertools.combinations(ends * inside, loads.size - 1):
         assert not all(close_loads(value, np.array(fewer)).any() for value in far)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(-5e6, 5e6), min_size=1, max_size=7), st.floats(-5e6, 5e6))
+@example([1.0e6, 1.23e6], 0.895e6)  # 1.109 MN is close to 1 MN, 0.895 MN is less far in newtons and is not
+def test_the_nearest_load_is_close_to_every_value(values: list[float], rest: float) -> None:
+    loads = np.array([rest, *fewest_loads(values, rest)])
+    assert close_loads(np.array(values), loads[nearest(np.array(values), loads)]).all()

@@ -7,15 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pysprings.cli.predictions import capacity
 from pysprings.core.errors import BeyondSprings
+from pysprings.core.words import NOT_KNOWN
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.capacity import NOT_KNOWN, capacities
+from pysprings.macro.capacity import capacities
 from pysprings.macro.predict import MacroModel, curve, predict
 from pysprings.results.tables import open_table
 from tests.support.closed_forms import bilinear_springs
 from tests.support.commands import command
 from tests.support.fans import A, fan_springs, linear, potential
-from tests.support.vertical import REST, vertical_springs
+from tests.support.vertical import REST, down_curve, vertical_springs
 
 
 @pytest.fixture(scope="module")
@@ -117,3 +119,18 @@ def test_springs_at_one_depth_have_no_known_capacity(tmp_path: Path) -> None:
     assert done.code == 0, done.err
     assert json.loads(done.out)["attributes"]["capacity_kind"] == NOT_KNOWN
     assert "e+308" not in done.out
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
+def test_beyond_the_largest_vertical_load_no_lateral_load_is_known() -> None:
+    """The springs hold a pull of 0.79 MN: under -0.7 MN a lateral capacity is known, under -1 MN none."""
+    tree, pull = vertical_springs(), REST + float(down_curve(np.array(-1e-2)))
+    assert -1e6 < pull < -0.7e6
+    held, lost = (predict(tree, H=1e5, arm=2.0, V=V, extrapolate=True) for V in (-0.7e6, -1e6))
+    assert held.attrs["capacity_kind"] != NOT_KNOWN and float(held["utilisation"]) > 0.0
+    assert lost.attrs["capacity_kind"] == NOT_KNOWN and np.isnan(lost.attrs["capacity_H_N"])
+    assert np.isnan(float(lost["utilisation"]))
+    assert capacity(lost) == "capacity in this direction: not known (V is beyond the largest known vertical load)"
+    cases = predict_batch(tree, H=np.full(2, 1e5), arm=2.0, V=np.array([-0.7e6, -1e6]))
+    for name in ("capacity_H", "capacity_M", "utilisation"):
+        assert np.isfinite(cases[name].values).tolist() == [True, False]

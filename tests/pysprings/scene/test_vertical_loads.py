@@ -40,7 +40,14 @@ cases = "tables/loads.csv"
 [output]
 figures = "none"
 """
-CASES = "name,H [kN],arm [m],V [MN]\ncalm,300,2,\nnear,300,2,1.05\nstorm,500,2,2\nheavy,300,2,2.1\nlight,300,2,0.5\n"
+CASES = """name,H [kN],arm [m],V [MN]
+still,0,,4
+calm,300,2,
+near,300,2,1.05
+storm,500,2,2
+heavy,300,2,2.1
+light,300,2,0.5
+"""
 
 
 @pytest.fixture
@@ -66,10 +73,13 @@ def test_loads_are_those_of_the_cases_and_are_written_into_the_scene(scene: Path
 def test_check_shows_loads_paths_time_and_cases(scene: Path) -> None:
     about = describe(load_scene(scene))
     rows = about["vertical_loads"]
-    assert [(row["V_N"], row["paths"], row["cases"]) for row in rows] == [(1e6, 2, 2), (0.5e6, 2, 1), (2e6, 2, 2)]
+    assert [(row["V_N"], row["paths"], row["cases"]) for row in rows] == [(1e6, 2, 2), (0.5e6, 2, 1), (2e6, 2, 3)]
     assert sum(row["time_s"] for row in rows) == pytest.approx(about["time_s"])
     far = describe(load_scene(scene, ['springs.vertical_loads=["0.5 MN"]']))["warnings"]
     assert "V of 2 load cases is more than 10 % from that of all springs: storm, heavy" in far
+    (one,) = (text for text in describe(load_scene(scene, ['springs.vertical_loads=["0.5 MN", "2.3 MN"]']))["warnings"]
+              if "load case" in text)  # fmt: skip
+    assert one == "V of 1 load case is more than 10 % from that of all springs: storm"
     assert "springs by vertical load" in command("check", scene).out
 
 
@@ -79,6 +89,8 @@ def test_check_shows_loads_paths_time_and_cases(scene: Path) -> None:
         ("", None, "{folder}/tables/loads.csv: no such file"),
         ("", "name,H [kN],V [MN]\na,5,x\n", "{folder}/tables/loads.csv:2: V [MN]: \"x\" is not a number"),
         ("", "name,H [kN]\na,5\n", "{folder}/tables/loads.csv: V: no case has one: springs.vertical_loads takes its"),
+        ("", "name,H [kN],V [MN]\na,5,\nb,0,2\n",
+         "{folder}/tables/loads.csv: V: no case that has one has a lateral load: springs.vertical_loads takes its"),
         ("", "H [kN],V [MN]\n" + "".join(f"1,{1.3**k:.3f}\n" for k in range(2, 12)),
          "{folder}/tables/loads.csv: V: from 1.69 MN to 17.922 MN: 10 further sets of springs, at most 8; list"),
         ('cases = "tables/loads.csv"', CASES, '{scene}:19:18: springs.vertical_loads: "from cases" needs [design]'),
@@ -122,9 +134,13 @@ def test_each_case_of_a_run_is_answered_by_the_springs_at_its_load(
     assert command("run", "clay.toml", "--out", "out", "--jobs", "1").code == 0
     done = command("design", "out", "--out", "a.png", "--out", "a.csv", "--json")
     assert done.code == 0, done.err
+    assert command("design", "out").out.startswith(
+        "load cases: tables/loads.csv as it is now ([design] cases of the run)"
+    )
     rows = {row["name"]: row for row in json.loads(done.out)["cases"]}
     at = {name: round(1e-6 * row["V_springs_N"], 3) for name, row in rows.items()}
-    assert at == {"calm": 1.0, "near": 1.0, "storm": 2.0, "heavy": 2.0, "light": 0.5}
+    assert at == {"calm": 1.0, "near": 1.0, "storm": 2.0, "heavy": 2.0, "light": 0.5, "still": 2.0}
+    assert rows.pop("still")["verdict"] == "ok"
     assert {row["marks"] for row in rows.values()} == {"off the calibrated paths"}  # rays 90 degrees apart; none of V
     springs = Springs.of(read_tree(Path("out/springs.nc")))
     for name, suffix in (("calm", ""), ("storm", "_load_2"), ("light", "_load_1")):  # those springs alone

@@ -80,7 +80,7 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     rows = "".join(f"at {V},100,2,{V}\n" for V in (2.1, 4, 8))
     file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
     table = answer_cases(tree, read_load_cases(file), extrapolate=True).set_index("name")
-    assert table["V_springs_N"].tolist() == pytest.approx([2e6, 2e6, 6e6])
+    assert table["V_springs_N"].tolist() == pytest.approx([2e6, 6e6, 6e6])  # 4 is 1/3 below 6, 1/2 above 2
     with pytest.warns(UserWarning):  # two rays are 90 degrees apart
         sides = [1e3 * float(predict(tree, H=1e5, arm=2.0, V=V)["u"]) for V in (2e6, 6e6)]
     words = f"at V 2 and 6 MN: u {sides[0]:.3g} and {sides[1]:.3g} mm, rotation "
@@ -88,6 +88,19 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     assert f"V between the springs, interpolated; {words}" in table["marks"]["at 4"]
     assert f"V not covered by the lateral springs; {words}" in table["marks"]["at 8"].replace("; off", "")
     assert set(table["verdict"]) == {"supported in part"}
+
+
+def test_a_side_without_an_answer_is_named_and_v_alone_needs_no_lateral_springs(tmp_path: Path) -> None:
+    """Reactions grow with V: 0.9 of the largest H under 5 MN is beyond the springs at 2 MN."""
+    tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
+    H = 1.0
+    for _ in range(2):
+        file.write_text(f"name,H [N],arm [m],V [MN]\nstorm,{H},2,5\nstill,0,,4\n", encoding="utf-8")
+        table = answer_cases(tree, read_load_cases(file)).set_index("name")
+        H = 0.9 * table["H_capacity_N"]["storm"]
+    marks = table["marks"]["storm"]
+    assert "interpolated; at V 6 MN: u " in marks and marks.endswith("; beyond the springs at 2 MN")
+    assert (table["verdict"]["still"], table["marks"]["still"]) == ("ok", "")
 
 
 def test_without_a_table_and_without_a_run_that_names_one_design_is_refused(springs, tmp_path: Path) -> None:
@@ -98,13 +111,23 @@ def test_without_a_table_and_without_a_run_that_names_one_design_is_refused(spri
 
 def test_the_picture_has_cases_springs_and_largest_loads(tmp_path: Path) -> None:
     tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
-    file.write_text("name,H [kN],arm [m],V [MN]\nlow,100,2,2\nhigh,50,2,6\n", encoding="utf-8")
+    rows = "low,100,2,2\nhigh,50,2,6\nbetween,100,2,4\nlifted,100,2,-1\n"  # -1 MN is more than the springs hold
+    file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
     table = answer_cases(tree, read_load_cases(file))
     (axes,) = load_cases(table, tree).axes
     drawn = {str(line.get_label()): np.column_stack(line.get_data()) for line in axes.lines}
-    (cases,) = [xy for label, xy in drawn.items() if label.startswith("load case")]
-    np.testing.assert_allclose(cases, [[2.0, 0.1], [6.0, 0.05]])
-    assert [text.get_text() for text in axes.texts if text.get_text()] == ["load at 2 m", "low", "high"]
+    cases = np.concatenate([xy for label, xy in drawn.items() if label.startswith("load case")])
+    np.testing.assert_allclose(cases[cases[:, 0].argsort()], [[-1.0, 0.1], [2.0, 0.1], [4.0, 0.1], [6.0, 0.05]])
+    known = 1e-6 * table.set_index("name")["H_capacity_N"]
+    assert np.isnan(known["lifted"])
+    far = drawn.pop("largest H of springs that are not of this V")
+    near = np.concatenate([xy for label, xy in drawn.items() if label.startswith("largest H")])
+    np.testing.assert_allclose(near[near[:, 0].argsort()], [[2.0, known["low"]], [6.0, known["high"]]])
+    np.testing.assert_allclose(far, [[4.0, known["between"]]])
+    assert axes.texts[0].get_text() == "load at 2 m"
+    assert sorted(text.get_text() for text in axes.texts[1:]) == ["between", "high", "lifted", "low"]
+    (alone,) = load_cases(table, None).axes  # of several estimates: no lines of one of them
+    assert not any(str(line.get_ydata()[-1]) == "1" for line in alone.lines)
     upright = sorted(float(line.get_xdata()[0]) for line in axes.lines if str(line.get_ydata()[-1]) == "1")
     model = MacroModel.from_springs(tree)
     ends = [1e-6 * largest_vertical(model, sign)[0] for sign in (1.0, -1.0)]
