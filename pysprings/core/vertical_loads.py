@@ -39,12 +39,6 @@ def _apart(values: Array | float, other: Array | float) -> Array:
     return np.abs(np.subtract(values, other)) / most
 
 
-def _apart(values: Array | float, other: Array | float) -> Array:
-    """Return differences of vertical loads [N] over the largest of `close_loads`."""
-    most = np.maximum(CLOSE_LOAD * np.maximum(np.abs(values), np.abs(other)), NO_LOAD)
-    return np.abs(np.subtract(values, other)) / most
-
-
 def nearest(values: Array, loads: Array) -> NDArray[np.intp]:
     """Return which of loads (m,) [N] is nearest to each vertical load (n,) [N], by the measure of `close_loads`."""
     return _apart(values[:, None], loads).argmin(axis=1)
