@@ -50,7 +50,7 @@ MARKS = {
     "off_load": "V not covered by the lateral springs",
     "past_peak": "beyond the peak of a spring that softens",
     "unchecked": "beyond the held-back paths out of one plane",
-    "torsion_apart": "torsion beside lateral loads: springs of both apart carry too much, motions are too small",
+    "torsion_apart": "torsion beside lateral loads: springs of both apart, motions too small, the twist by a factor",
     "unbounded": "no upper bound of the rotation: the largest load, 1.96 deviations less, is below this one",
 }
 STIFFNESS = {

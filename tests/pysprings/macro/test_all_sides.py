@@ -184,7 +184,7 @@ def test_design_answers_rows_out_of_one_plane(tmp_path: Path) -> None:
         assert table.loc[name, "u_bound_m"] > table.loc[name, "u_m"] and "elbow H" in table.loc[name, "remarks"]
         assert np.isnan(table.loc[name, ["secant_H_u_N_per_m", "tangent_u_u_N_per_m", "w_m"]].astype(float)).all()
     assert table.loc["twisted", "twist_rad"] == known["rot_z"].values[1]
-    assert "carry too much" in table.loc["twisted", "marks"] and "left out" not in table.loc["twisted", "marks"]
+    assert "the twist by a factor" in table.loc["twisted", "marks"] and "left out" not in table.loc["twisted", "marks"]
     apart = float(known["plane_difference_pct"].values[0])
     assert table.loc["across", "marks"] == (APART.format(apart) if apart > MOST_APART else "")
     assert (table.loc["far", "marks"], table.loc["far", "verdict"]) == (SIDEWAYS, "no answer")
