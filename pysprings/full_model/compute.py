@@ -153,8 +153,8 @@ def _run_and_estimate(ran: Scene, scene: Scene, options: RunOptions, sink: Sink)
         return result
     sink.keep(result)
 
-    def again(harmonics: int) -> Computed:
-        sink.keep(result)
+    def again(harmonics: int, estimated: Computed) -> Computed:
+        sink.keep(estimated)
         return compute(scene, replace(options, harmonics=harmonics, resume=False))
 
     beside = partial(compute, workers=options.workers)

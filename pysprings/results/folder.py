@@ -140,15 +140,15 @@ def _conclude(folder: Path, missed: str) -> NoReturn:
 
 def run_or_go_on(
     scene: Scene, folder: Path, progress: Progress | None = None, time_unit: bool = False,
-    writing: Writing | None = None,
+    writing: Writing | None = None, estimate_error: bool | None = False,
 ) -> Path:  # fmt: skip
-    """Run a scene into a folder, or resume the interrupted run there; the error is not estimated.
+    """Run a scene into a folder, or resume the interrupted run there.
 
     The run starts anew where the checkpoints belong to another scene, mesh or version, or are damaged. A folder that is
     a link is refused.
     """
     own_folder(folder.parent, folder.name)
-    return run_to_folder(scene, folder, None, progress, None, False, time_unit, writing)
+    return run_to_folder(scene, folder, None, progress, None, estimate_error, time_unit, writing)
 
 
 class _Files(Sink):

@@ -10,7 +10,6 @@ linear in them: sums of reactions remain the loads, a load its height, y(z) = u 
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import Literal
 
 import numpy as np
@@ -46,14 +45,14 @@ def share_of(ratio: float, order: float) -> float:
 
 def extrapolated(
     fine: xr.DataTree, coarse: xr.DataTree, share: float, richer: xr.DataTree | None = None
-) -> tuple[xr.DataTree, dict[str, str], list[str]]:
+) -> tuple[xr.DataTree, dict[str, str], dict[str, str]]:
     """Return the result of the finer mesh with extrapolated paths, and by path why it is not extrapolated.
 
-    ``richer`` is the coarser mesh with more harmonics; the last item names the paths that have what they change. Each
-    path that is extrapolated has a group `extrapolated` beside its own values (`springs.path.paths_of` takes it in
-    their place).
+    ``richer`` is the coarser mesh with more harmonics; the last item has the extrapolated paths that lack what these
+    change, with the reason. Each path that is extrapolated has a group `extrapolated` beside its own values
+    (`springs.path.paths_of` takes it in their place).
     """
-    tree, not_alike, corrected = fine.copy(deep=False), {}, []
+    tree, not_alike, without = fine.copy(deep=False), {}, {}
     other, more = paths_of(coarse, of_mesh=True), {} if richer is None else paths_of(richer, of_mesh=True)
     for name, path in paths_of(fine, of_mesh=True).items():
         try:
@@ -61,11 +60,17 @@ def extrapolated(
         except NotAlike as error:
             not_alike[name] = str(error)
             continue
-        with suppress(NotAlike):
-            harmonics = _beside(path, more.get(name))
-            corrected.append(name)
+        try:
+            harmonics = None if richer is None else _beside(path, more.get(name))
+        except NotAlike as error:
+            without[name] = str(error)
         tree[f"paths/{name}/{EXTRAPOLATED}"] = xr.DataTree(_path(path, share, cells, harmonics))
-    return tree, not_alike, corrected
+    return tree, not_alike, without
+
+
+def has_equal_motion(path: RecordedPath) -> bool:
+    """Return whether a motion drives a path, so that meshes can be compared at equal motion."""
+    return not (path.rules.force or path.rules.conjugate)
 
 
 Reactions = dict[str, Array]
@@ -101,8 +106,7 @@ def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     if path is None:
         raise NotAlike("it did not start on the coarser mesh")
     own, other = fine.recorded, path.dataset
-    rules = PATH_KINDS[fine.kind]
-    if rules.force or rules.conjugate:
+    if not has_equal_motion(fine):
         raise NotAlike("a load drives it: both meshes have no equal motion")
     at, known = _way(fine.dataset, fine.length), _way(other, fine.length)
     flat = str(other.attrs["status"]) == "limit load"  # its reactions stay beyond

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 Compute = Callable[..., Computed]
 PHASE = "error estimate"  # also its name among the parts of a run that were not made
-# %: difference of load and p(y) between N and N + 2 harmonics below which N are enough, and what adding it may leave.
-# The section's own error is far larger on the coarser presets (docs/evidence/accuracy.md).
+# %: what N harmonics may leave of load and p(y); above half of it the difference of N and N + 2 is added. The section's
+# own error is far larger on the coarser presets (docs/evidence/accuracy.md).
 ENOUGH = {"coarse": 2.0, "medium": 1.0}
 ENOUGH_ELSE = 0.5
 MOST = 9  # harmonics that are tried
@@ -53,7 +53,7 @@ class Companions:
     Attributes
     ----------
     trees, richer : whole runs, and runs with two harmonics more.
-    harmonics : the number that was chosen; whole : whether the run with two more has all paths.
+    harmonics : the number that was chosen.
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
     checkpoints : of the run that they stand beside.
@@ -63,7 +63,6 @@ class Companions:
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
     richer: dict[int | None, xr.DataTree] = field(default_factory=dict)
     harmonics: int | None = None
-    whole: bool = False
     why_not: str = ""
     stopped: dict[str, str] = field(default_factory=dict)
     again: bool = False
@@ -135,35 +134,39 @@ def _choose(
     """Raise the harmonics on the coarser mesh until two more of them change little."""
     from pysprings.model.fourier import section_counts_of
 
-    n, some = chosen or section_counts_of(scene).harmonics, two_mesh.few(coarse)
+    n, few = chosen or section_counts_of(scene).harmonics, two_mesh.few(coarse)
     most = ENOUGH.get(scene.mesh.preset, ENOUGH_ELSE)
-
-    def beside(of: Scene) -> bool:
-        companions.whole = of is coarse
-        return run(of.replace(mesh={"harmonics": n + 2}), n + 2, companions.richer)
-
     while n in companions.trees or run(coarse.replace(mesh={"harmonics": n}), n, companions.trees):
         companions.harmonics = n
-        if not beside(some):
+        richer = {"mesh": {"harmonics": n + 2}}
+        if not run(few.replace(**richer), n + 2, companions.richer):
             return
-        enough = not any(size > most for size in _changes(companions, n, 1.0))
-        if not enough and not companions.whole and not beside(coarse):
-            return
-        enough = enough or not any(size > most for size in _changes(companions, n, two_mesh.LEFT))
+        enough = max(_changes(companions, n), default=0.0) <= two_mesh.LEFT * most
+        if not enough and few is not coarse:
+            known = _names(companions.richer[n + 2])
+            rest = tuple(path for path in coarse.all_paths if path.name not in known)
+            if not run(coarse.replace(paths=rest, **richer), n + 2, companions.richer):
+                return
+        enough = enough or max(_changes(companions, n, two_mesh.LEFT), default=0.0) <= most
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
         n += 2
         companions.trees[n] = companions.richer[n]
 
 
-def _changes(companions: Companions, n: int, left: float) -> list[float]:
+def _names(tree: xr.DataTree) -> set[str]:
+    return {*paths_of(tree), *paths_off_plane(tree)}
+
+
+def _changes(companions: Companions, n: int, left: float = 1.0) -> list[float]:
     """Return what two harmonics more than n change [%], the share ``left`` of it where adding it to a path helps."""
     richer = companions.richer[n + 2]
-    planar = paths_of(richer, of_mesh=True)
+    helps = {name for name, path in paths_of(richer).items() if extrapolation.has_equal_motion(path)}
     return [
-        each.get(name, 0.0) * (left if path in planar else 1.0)  # NaN: not on this path
+        each[name] * (left if path in helps else 1.0)
         for path, each in two_mesh.differences(richer, companions.trees[n]).items()
         for name in two_mesh.DECISIVE
+        if math.isfinite(each.get(name, math.nan))
     ]
 
 
@@ -181,7 +184,7 @@ def _run(
             progress(f"coarser mesh{beside}, {at}", share, text)
 
     saved = companions.checkpoints
-    name = f"{key or 'bricks'}{'' if into is companions.trees or companions.whole else 'few'}"
+    name = f"{key or 'bricks'}" + ("" if into is companions.trees else "rest" if key in into else "few")
     kept = {} if saved is None else {"checkpoints": saved.companion(name), "resume": None}
     before = time.process_time()
     coarse = compute(scene, progress=report, **kept)
@@ -192,15 +195,26 @@ def _run(
     companions.stopped |= {
         name: str(path.reason or path.status) for name, path in coarse.record.paths.items() if path.reason is not None
     }
-    into[key] = coarse.tree
+    into[key] = _joined(into[key], coarse.tree) if key in into else coarse.tree
     return True
 
 
-def with_estimate(scene: Scene, result: Computed, companions: Companions, again: Callable[[int], Computed]) -> Computed:
+def _joined(tree: xr.DataTree, more: xr.DataTree) -> xr.DataTree:
+    """Return a result with the paths of another run of its mesh."""
+    joined = tree.copy(deep=False)
+    for group in ("paths", "space"):
+        for name, path in more.children[group].children.items() if group in more.children else ():
+            joined[f"{group}/{name}"] = path.copy(deep=False)
+    return joined
+
+
+def with_estimate(
+    scene: Scene, result: Computed, companions: Companions, again: Callable[[int, Computed], Computed]
+) -> Computed:
     """Return a result with its estimate and extrapolated paths, or that of ``again`` where N is too small.
 
-    ``again`` runs the scene with more harmonics. Where that run does not come as far, the first result stays, and its
-    record has the reason.
+    ``again`` runs the scene with more harmonics, and keeps the estimated result until that has ended. Where that run
+    does not come as far, the first result stays, and its record has the reason.
     """
     estimated = add_estimate(scene, result, companions)
     more, had = companions.harmonics, result.record.mesh.harmonics
@@ -208,7 +222,7 @@ def with_estimate(scene: Scene, result: Computed, companions: Companions, again:
         return estimated
     name, before = f"run with {more} harmonics", result.record
     try:
-        richer = again(more)
+        richer = again(more, estimated)
     except Exception as error:
         before.not_made[name] = reason_of(error)
         return estimated
@@ -247,7 +261,8 @@ def add_estimate(scene: Scene, result: Computed, companions: Companions) -> Comp
 
 def _estimated(scene: Scene, result: Computed, companions: Companions) -> Computed:
     n, record = result.record.mesh.harmonics, result.record
-    if n not in companions.trees or (n is not None and companions.again):  # the share of the harmonics belongs to it
+    alone = n is not None and companions.again and n + 2 not in companions.richer  # without the share of the harmonics
+    if n not in companions.trees or alone:
         record.error_estimate = two_mesh.missing(
             companions.why_not or "no run on the coarser mesh has its number of harmonics"
         )
@@ -256,9 +271,9 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
     given: dict[str, Any] = {"ratio": ratio, "richer": None if n is None else companions.richer.get(n + 2)}
     if ratio is not None and ratio > extrapolation.LEAST_RATIO:
-        made, given["extrapolated"] = _extrapolated(
-            scene, result, coarse, ratio, given["richer"] if companions.whole else None
-        )
+        richer = given["richer"]
+        whole = richer is not None and _names(coarse) <= _names(richer)  # a fan is corrected as a whole
+        made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio, richer if whole else None)
     estimate = two_mesh.estimate(result.tree, coarse, **given)
     covered = given.get("extrapolated", {}).get("paths", ())
     stopped = {name: why for name, why in companions.stopped.items() if name not in covered}
@@ -279,14 +294,16 @@ def _extrapolated(
     """Return a result with extrapolated paths, and how they were extrapolated, as run.json has it."""
     order = extrapolation.ORDERS[ground_of_sections(scene)]
     share = extrapolation.share_of(ratio, order)
-    tree, not_alike, corrected = extrapolation.extrapolated(result.tree, coarse, share, richer)
+    tree, not_alike, without = extrapolation.extrapolated(result.tree, coarse, share, richer)
     record, paths = result.record, paths_of(tree)
     names = [name for name in paths if name not in not_alike]
     if names:
         sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, coarse))
         record.remarks.append(f"reactions extrapolated from meshes of {sizes} unknowns (order {order:g})")
+    corrected = [] if richer is None else [name for name in names if name not in without]
     if corrected and richer is not None:
         record.remarks.append(f"reactions with what {richer.attrs['harmonics']} harmonics change on the coarser mesh")
+    record.remarks += [f"path {name} is without it: {why}" for name, why in without.items()]
     record.remarks += [f"path {name} has the reactions of one mesh: {why}" for name, why in not_alike.items()]
     tree.attrs["remarks"] = "; ".join(record.remarks)
     for name in names:

@@ -166,7 +166,7 @@ def estimate(
         if quantity == STIFFNESS and not starts_elastic(fine):
             continue
         whole = SAFETY[kind] / (ratio**order - 1.0)
-        known = [each[name] for each in beyond.values() if np.isfinite(each[name])]
+        known = [each[name] for each in beyond.values() if np.isfinite(each["py_rms"]) and np.isfinite(each[name])]
         for path, each in own.items():
             lateral = np.isfinite(each["py_rms"])  # of such paths that did not run with more harmonics: the mean
             more = beyond[path][name] if path in beyond else np.mean(known) if known and lateral else np.nan

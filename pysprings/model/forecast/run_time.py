@@ -45,7 +45,7 @@ _SYMMETRIC = 0.77  # 1/1.3 of docs/evidence/omissions.md on `coarse`: the least,
 _LIFT_OFF, _LIFT_OFF_INCREMENTS, _LIFT_OFF_TIME = 1.0e-3, 2.0, 4.3
 PICTURE_SECONDS = {"none": 0.0, "report": 3.0, "all": 10.0}  # of a run, by how many are asked for
 # The same of series, by a power of the unknowns; with water; and of the runs on a coarser section: all paths with N,
-# four at most with two harmonics more (full_model.accuracy.own_estimate).
+# with two harmonics more four at most, of clay all (full_model.accuracy.own_estimate).
 _SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 9.0e-7, 1.2
 _WHOLE = 2.7  # of an increment of the whole caisson beside one of its half, N 3 (2.2 to 3.1 for N 2 to 5)
 _SERIES_WATER, _SERIES_COARSER, _SERIES_RICHER, _RICHER_PATHS = 1.5, 0.35, 0.5, 4
@@ -92,7 +92,7 @@ def seconds(
     """
     paths, pictures = sum(path_seconds(scene, unknowns, water)), PICTURE_SECONDS[scene.output.pictures]
     if scene.discretisation == "fourier":
-        share = min(1.0, _RICHER_PATHS / max(len(scene.load_paths), 1))
+        share = 1.0 if scene.ground.total_stress else min(1.0, _RICHER_PATHS / max(len(scene.load_paths), 1))
         return pictures + _SERIES_START + (1.0 + _SERIES_COARSER + _SERIES_RICHER * share) * paths
     if uses_superlu(scene) if superlu is None else superlu:
         paths *= superlu_time(unknowns)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.core.version import __version__
-from pysprings.full_model.accuracy.own_estimate import estimates_by_default
 from pysprings.macro.fan_springs import BAND
 from pysprings.studies.atlas import check
 from pysprings.studies.atlas.between import Process, filled, fit
@@ -137,7 +136,7 @@ def left_summary(left: LeftOut) -> pd.DataFrame:
 
 def _about(title: str, samples: Samples, fitted: dict[str, str], compared: pd.DataFrame | None) -> dict[str, str]:
     base = samples.scene.scene()
-    better = f", {EXTRAPOLATED}" if estimates_by_default(base) else ""  # as runs of a study are
+    better = f", {EXTRAPOLATED}" if samples.extrapolated else ""
     about = {
         "title": title, "full models": str(len(samples.inputs)), "pysprings": __version__,
         "mesh": f"{base.mesh.preset} ({base.mesh.discretisation}){better}",

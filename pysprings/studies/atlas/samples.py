@@ -46,6 +46,7 @@ class Samples:
     settled : (n,) settlement at rest over D/ratio.
     reach : largest rho over D of the rays.
     failed : number of cases of the study that are left out.
+    extrapolated : whether all paths of all cases have the reactions of two meshes.
     """
 
     scene: SceneText
@@ -58,6 +59,7 @@ class Samples:
     settled: Array
     reach: float
     failed: int = 0
+    extrapolated: bool = False
 
 
 def share(X: Array) -> Array:
@@ -117,7 +119,7 @@ def read_samples(data: xr.Dataset, family: Family) -> Samples:
         text, np.stack([family.read(scene) for scene in chosen]), tuple(str(name) for name in data["path"].values),
         _angles(u, turn), X, values / scale, factors(data["stiffness_initial"].values, force, ratio, D, L),
         data["w"].values[:, 0, 0].astype(float) * ratio / D, float(np.nanmax(rho / D[:, None, None])),
-        int((~whole).sum()),
+        int((~whole).sum()), bool((data["extrapolated"].values == 1.0).all()),
     )  # fmt: skip
 
 

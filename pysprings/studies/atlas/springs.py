@@ -33,6 +33,7 @@ _CLOSE = 0.05  # share by which knots differ at the least
 # they are extrapolated (docs/evidence, "Sections")
 MESH_ERROR = ((0.02, 0.3, 20.0), (0.045, 0.105, 0.29))
 MESH_LEFT = 0.033
+STIFFNESS_LEFT = 0.006  # of the initial stiffness, which is that of one mesh: `coarse` beside `fine`, both grounds
 OF_MESH = (
     "made on mesh 'coarse': in clay loads are up to 25 % high at collapse, and the rotation under a load is up to a "
     "third low near it; the deviations include it: confirm by a run on a finer mesh"
@@ -176,7 +177,8 @@ def _root(atlas: Atlas, scene: Scene, estimate: Estimate, V: float) -> xr.Datase
     )
     root = variables.attach(root, "springs_root")
     caisson = scene.caisson
-    errors = np.hypot(estimate.stiffness_error, MESH_ERROR[1][0] / _BAND * bool(mesh_words(atlas)))
+    of_mesh = STIFFNESS_LEFT if _is_extrapolated(atlas) else MESH_ERROR[1][0] * bool(mesh_words(atlas))
+    errors = np.hypot(estimate.stiffness_error, of_mesh / _BAND)
     root.attrs = {
         "Conventions": "CF-1.11", "title": scene.title, "source": atlas.source,
         "pysprings_version": __version__, "scene_sha256": scene.sha256, "scene_toml": scene.to_toml(),

@@ -26,7 +26,7 @@ from pysprings.results.sheets import write_sheet
 from pysprings.scene.fields import suggestion
 from pysprings.studies.sweep import measures
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
-from pysprings.studies.sweep.plan import DONE, SHORT, Axis, Case, split
+from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, split
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -159,7 +159,6 @@ def _map(figure: Figure, plot: Any, axes: tuple[xr.DataArray, xr.DataArray], val
 
 
 FILE = "study.nc"
-SCHEMA = "pysprings-study-3"
 _STATE_UNITS = {
     "u": "m", "w": "m", "rotation": "rad", "H": "N", "V": "N", "M": "N m", "H_tip": "N", "M_tip": "N m", "V_tip": "N",
     "H_lid": "N", "M_lid": "N m", "V_lid": "N", "p": "N/m", "m": "N m/m", "t": "N/m",
@@ -171,6 +170,7 @@ NUMBERS = {
     "unknowns": ("1", "unknowns of its model"),
     "iterations": ("1", "Newton iterations of all paths"),
     "balance_error": ("1", "largest share of the load that the sums of the reactions miss"),
+    "extrapolated": ("1", "share of the paths whose reactions are extrapolated from two meshes"),
 }
 STIFFNESSES = {"K_H": ("u", "u", "N/m"), "K_V": ("w", "w", "N/m"), "K_M": ("rotation", "rotation", "N m/rad"),
                "K_HM": ("u", "rotation", "N/rad")}  # fmt: skip

@@ -133,9 +133,11 @@ def _numbers(folder: FilePath) -> dict[str, float]:
     record = RunRecord.read(folder)
     if record is None:
         return {}
+    how = (record.error_estimate or {}).get("extrapolated", {})
     lost = [value for path in (record.balance or {}).values() for value in path.values()]
     return {
         "wall_s": record.wall_s, "cpu_s": record.cpu_s, "peak_memory_bytes": float(record.peak_memory_bytes),
         "unknowns": float(record.mesh.unknowns or 0), "balance_error": max(lost, default=float("nan")),
         "iterations": float(sum(path.iterations for path in record.paths.values())),
+        "extrapolated": len(how.get("paths", ())) / max(len(record.paths), 1),
     }  # fmt: skip

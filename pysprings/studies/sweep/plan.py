@@ -229,6 +229,7 @@ def span(axis: Axis, count: int) -> tuple[Value, ...]:
 
 
 CASES = "cases.csv"
+SCHEMA = "pysprings-study-3"  # of study.nc, and of what a case holds
 DONE, SHORT, FAILED, STOPPED, WAITING, SKIP, AGAIN = (
     "complete", "partial", "failed", "stopped", "waiting", "skip", "again",
 )  # fmt: skip

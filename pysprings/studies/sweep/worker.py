@@ -25,7 +25,7 @@ from pysprings.core.errors import PyspringsError, ResourceError, RunIncomplete, 
 from pysprings.core.files.storage import write_text
 from pysprings.core.version import __version__
 from pysprings.scene.load import parse_scene
-from pysprings.studies.sweep.plan import DONE, FAILED, SHORT, STOPPED
+from pysprings.studies.sweep.plan import DONE, FAILED, SCHEMA, SHORT, STOPPED
 
 _SHARE = 0.9  # of the memory of this machine, for all workers
 _DEATHS = 10  # of workers with a case, before the case is given up
@@ -170,7 +170,7 @@ class Ended:
     reason: str
     seconds: float
     name: str
-    version: str = __version__
+    version: str = f"{__version__}, {SCHEMA}"
     scene_sha256: str = ""
 
 
@@ -191,7 +191,7 @@ def read_ended(folder: Path) -> Ended | None:
         return None
     from pysprings.full_model.run_record import RunRecord
 
-    return ended if ended.version == __version__ and RunRecord.has_whole_results(folder) else None
+    return ended if ended.version == Ended.version and RunRecord.has_whole_results(folder) else None
 
 
 def run_case(task: Task) -> Answer:
@@ -239,18 +239,18 @@ def write_ended(folder: Path, ended: Ended) -> None:
 def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
     """Run the full model; return status, reason and the number of the scene."""
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.folder import Writing, run_to_folder
+    from pysprings.results.folder import Writing, run_or_go_on
 
     scene = parse_scene(task.scene)
     with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
         warnings.simplefilter("ignore")
-        run_to_folder(scene, folder, resume=None, writing=Writing(springs_alone=not task.keep_all))
+        run_or_go_on(scene, folder, writing=Writing(springs_alone=not task.keep_all), estimate_error=None)
     record = RunRecord.read(folder)
     if record is None:
         return STOPPED, "no run.json was written", scene.sha256
     has_springs = (folder / "springs.nc").exists()
     status = DONE if record.complete and has_springs else SHORT if has_springs else FAILED
-    reason = "; ".join(record.short) or ("" if has_springs else "no springs")
+    reason = "; ".join([*record.short, *record.not_made.values()]) or ("" if has_springs else "no springs")
     return status, _line(reason) if reason else "", scene.sha256
 
 

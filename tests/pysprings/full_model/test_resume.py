@@ -409,7 +409,7 @@ def test_a_run_killed_while_it_estimates_its_error_repeats_no_path(tmp_path: Pat
     with pytest.raises(Killed):
         run_to_folder(series(), out, progress=kill)
     left = ["path-000.npz", "path-001.npz", "start.npz"]
-    kept = [*(f"coarser-3-{name}" for name in left), "coarser-5-path-000.npz", "coarser-5-start.npz", *left]
+    kept = [*(f"coarser-3-{name}" for name in left), "coarser-5few-path-000.npz", "coarser-5few-start.npz", *left]
     assert sorted(contents(out / "checkpoint")) == kept
     again: list[str] = []
     run_to_folder(series(), out, progress=lambda path, *_: again.append(path), resume=True)

@@ -2,6 +2,7 @@
 """The atlas that ships: springs like those of a full model, laws of similarity, refusals, deviations."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -176,6 +177,15 @@ def test_finer_full_models_lie_within_the_deviations(atlas, ground):
     band = 1.96 * np.degrees(batch["rotation_deviation"].values)
     assert (np.abs(np.degrees(batch["rotation"].values) - rotation) <= band).all()
     assert batch["unbounded"].values[[0, 1, -1]].tolist() == [0, 0, 1] and np.isfinite(band[:2]).all()
+
+
+def test_an_atlas_of_extrapolated_studies_is_not_marked_for_its_mesh(atlas):
+    better = replace(atlas, about={**atlas.about, "mesh": f"{atlas.about['mesh']}, extrapolated"})
+    marked, plain = (springs(each, 9.0, 6.0) for each in (atlas, better))
+    assert "up to 25 % high" in marked.attrs["atlas_mesh"] and plain.attrs["atlas_mesh"] == ""
+    assert 0.003 < plain.attrs["K_H_relative_deviation"] < marked.attrs["K_H_relative_deviation"]
+    wide, narrow = (float(pysprings.predict(each, H=4e5, arm=9.0)["rotation_deviation"]) for each in (marked, plain))
+    assert 0.0 < narrow < wide
 
 
 def test_a_process_without_one_value_is_what_left_out_says():

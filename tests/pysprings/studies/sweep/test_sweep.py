@@ -18,11 +18,13 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.words import ESTIMATES
+from pysprings.full_model.compute import compute, run
 from pysprings.springs.checks import open_springs
+from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
 from pysprings.studies.sweep.dataset import draw, table_of, write_table
-from pysprings.studies.sweep.measures import DEPTHS, SHARES, remap
+from pysprings.studies.sweep.measures import DEPTHS, SHARES, measure, remap
 from pysprings.studies.sweep.plan import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
@@ -104,6 +106,23 @@ def test_the_dataset_has_a_dimension_an_axis_and_the_numbers_of_each_run(ended):
         assert float(case["H_largest"].sel(path="pull")) == pytest.approx(path["H"].max(), rel=1e-6)
         assert float(case["reached"].sel(path="pull")) == 1.0
         assert np.isfinite(case["cpu_s"]) and float(case["balance_error"]) < 1e-9
+
+
+def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path):
+    """Extrapolated from two meshes; a case whose estimate failed has the reason, and no share of its paths."""
+    planned = study.planned(make(tmp_path), tmp_path / "out")
+    mesh = {"discretisation": "fourier", "refinement": 0.5, "harmonics": 2}
+    scene = tiny.sand(mesh=mesh, paths=({"name": "pull", "kind": "pull", "lateral_displacement": 4e-3},))
+    (planned.out / worker.SIGN).write_text("sign", encoding="utf-8")
+    answer = worker.run_case(worker.Task(1, scene.to_toml(), str(planned.out), scene.sha256[:16], "sign"))
+    folder = planned.out / worker.FOLDER / scene.sha256[:16]
+    H = Springs.of(open_springs(folder / "springs.nc")).paths["pull"]["H"][-1]
+    assert (answer.ended.status, answer.ended.reason) == (DONE, "")
+    assert H == paths_of(run(scene))["pull"]["H"][-1] != paths_of(compute(scene).tree)["pull"]["H"][-1]
+    assert measure(folder, scene, ("pull",)).numbers["extrapolated"] == 1.0
+    assert worker.read_ended(folder) == answer.ended
+    worker.write_ended(folder, replace(answer.ended, version="0.1.0"))  # before studies were extrapolated
+    assert worker.read_ended(folder) is None
 
 
 def test_springs_of_the_common_grid_sum_to_the_load(ended):
