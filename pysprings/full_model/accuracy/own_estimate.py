@@ -155,7 +155,7 @@ def _choose(
 
 
 def _names(tree: xr.DataTree) -> set[str]:
-    return {*paths_of(tree), *paths_off_plane(tree)}
+    return {*paths_of(tree), *space_paths_of(tree)}
 
 
 def _changes(companions: Companions, n: int, left: float = 1.0) -> list[float]:
