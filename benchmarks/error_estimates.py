@@ -34,9 +34,10 @@ from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_of
 from pysprings.full_model.accuracy.presets import read_mesh
 from pysprings.full_model.compute import scene_to_run
-from pysprings.full_model.run_record import Computed, MeshFigures, RunRecord, Status
+from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
 from pysprings.scene.extent import PAPER
 from pysprings.scene.sections import PAPER_SOIL
+from pysprings.springs.path import paths_of
 
 ASKED = 0.9
 HEAD = ("quantity", "estimates", "true error covered", "median of estimate over true error",
@@ -191,7 +192,9 @@ def estimated(scene: Scene, folder: Path) -> tuple[Any, dict[str, Any]]:
     """Return the result of a scene and its own estimate, as `pysprings run --estimate-error` makes them."""
 
     def stored(scene: Scene, **_: Any) -> Computed:
-        return Computed(result_of(scene, folder), RunRecord(Status.COMPLETE))
+        tree = result_of(scene, folder)
+        paths = {name: PathFigures(Status.COMPLETE) for name in paths_of(tree)}
+        return Computed(tree, RunRecord(Status.COMPLETE, paths=paths))
 
     beside = companions_of(scene, stored)
     done = stored(scene_to_run(scene, harmonics=beside.harmonics))

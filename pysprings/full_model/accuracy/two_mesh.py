@@ -174,6 +174,8 @@ def estimate(
             left = UNSURE.get(quantity, whole) if path in better else whole
             if np.isfinite(each[name]):
                 estimates[path][name] = left * each[name] + (more if np.isfinite(more) else 0.0)
+            if quantity == OTHER and path in better and name in estimates[path]:  # meshes may agree by chance
+                estimates[path][name] = max(estimates[path][name], estimates[path].get("load_max", 0.0))
         for key, values in (("difference_pct", own), ("harmonics_pct", beyond)):
             finite = [each[name] for each in values.values() if np.isfinite(each[name])]
             if finite and key in result:

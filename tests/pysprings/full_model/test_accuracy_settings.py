@@ -138,6 +138,8 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
     ratio = left["by_path"]["pull"]["load_pct"] / found["by_path"]["pull"]["load_pct"]
     assert ratio == pytest.approx(two_mesh.UNSURE["load"] * (found["cell_ratio"] ** order - 1.0) / 3.0, rel=1e-3)
     assert left["by_path"]["shift"] == found["by_path"]["shift"]
+    of_pull = left["by_path"]["pull"]  # both meshes have one rotation
+    assert of_pull["rotation_pct"] == of_pull["load_pct"] and found["by_path"]["pull"]["rotation_pct"] == 0.0
 
 
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
