@@ -27,11 +27,14 @@ from pysprings.springs.tip_zone import ZONE
 Array = NDArray[np.float64]
 SpaceControl = Literal["load", "state"]
 MEMORY, TWIST = "memory", "twist"  # the spring set that answers; the kind of path that calibrates its torsion
-_LATERAL = np.array([1.0, 1.0, 1.0, 1.0, 0.0])  # of motions: all but the twist
+_PARTS = np.array([[1.0, 1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.0]])  # of motions: all but the twist, and that
 TWISTED = 0.01  # lateral loads below this share of the torsion are none
 _FROM = "paths out of one plane"
 PLANE_ALONE = "the set '{}' answers loads in one plane only: ask for the springs 'memory'"
-_UNCHECKED = "{} of {} states go beyond the held-back paths out of one plane ({:.3g} of the range)"
+_UNCHECKED = (
+    "{} of {} states go beyond the held-back paths out of one plane (lateral motions to {:.3g} of the range, twists to "
+    "{:.3g})"
+)
 _NEVER = "springs in space, checked on no held-back path"
 _MARKS = ("converged", "extrapolated", "unchecked", "off_load", "torsion_apart")
 
@@ -69,30 +72,31 @@ class SpaceAnswers:
     ----------
     response : the springs.
     length : skirt length [m].
-    checked : share of their range that lateral motions of held-back paths out of one plane reach; 0 without such paths.
+    checked : shares of their range that lateral motions, and twists alone, of held-back paths reach; 0 without any.
     errors : the largest errors on these paths, a sentence.
     """
 
     response: SpaceResponse
     length: float
-    checked: float
+    checked: tuple[float, float]
     errors: str
 
     @classmethod
     def of(cls, springs: Springs | xr.DataTree, springs_kind: str | None = None) -> "SpaceAnswers":
         """Return the springs in space of a set, checked. Raises UserInputError where there are none."""
         given = Springs.of(springs)
-        response, checked, texts = response_in_space(given, springs_kind), 0.0, []
+        response, checked, texts = response_in_space(given, springs_kind), [0.0, 0.0], []
         for path in given.space.values():
-            if path.role != HELD_BACK or path.kind == TWIST or path.n < 2:
+            if path.role != HELD_BACK or path.n < 2:
                 continue
-            checked = max(checked, float(response.range_used(path.turns() * _LATERAL).max()))
+            part = int(path.kind == TWIST)
+            checked[part] = max(checked[part], float(response.range_used(path.turns() * _PARTS[part]).max()))
             row = _row(given, response, path)
-            sizes = {name: row[f"{name}_error_max_pct"] for name in ("H", "M", "u", "rotation")}
+            sizes = {name: row[f"{name}_error_max_pct"] for name in ("T",) * part or ("H", "M", "u", "rotation")}
             words = ", ".join(f"{name} {size:.1f} %" for name, size in sizes.items() if np.isfinite(size))
             texts.append(f"{path.name} {words}")
         errors = f"springs in space, errors on held-back paths: {'; '.join(texts)}" if texts else _NEVER
-        return cls(response, given.length, checked, errors)
+        return cls(response, given.length, (checked[0], checked[1]), errors)
 
     def answer(
         self, control: SpaceControl, targets: Array, V: Array | None = None, time: Array | None = None
@@ -100,9 +104,11 @@ class SpaceAnswers:
         """Return the states along targets (n, 5) from rest as a dataset by step, marked."""
         found = self.response.answer(control, targets, V, time)
         turns = np.stack([found[name].values for name in SPACE_TURNS], axis=1)
-        past = self.response.range_used(turns * _LATERAL) > self.checked * (1.0 + RANGE_SLACK)
+        lateral, twist = (self.response.range_used(turns * part) for part in _PARTS)
+        past = lateral > self.checked[0] * (1.0 + RANGE_SLACK)
+        past |= (twist > lateral) & (twist > self.checked[1] * (1.0 + RANGE_SLACK))
         past &= found["extrapolated"].values == 0
-        texts = [_UNCHECKED.format(past.sum(), len(past), self.checked)] if past.any() else []
+        texts = [_UNCHECKED.format(past.sum(), len(past), *self.checked)] if past.any() else []
         attrs = {name: [*found.attrs[name], *more] for name, more in (("warnings", texts), ("remarks", [self.errors]))}
         known = variables.GROUPS["space_prediction"]["unchecked"].attributes()
         return found.assign(unchecked=("step", past.astype(np.int8), known)).assign_attrs(attrs)

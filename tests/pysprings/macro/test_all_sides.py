@@ -120,12 +120,22 @@ def test_what_the_springs_do_not_cover_has_no_answer_or_a_mark() -> None:
     assert [found[name].values[3] for name in ("off_load", "torsion_apart", "extrapolated")] == [1, 1, 0]
     wide = batch(calibrated(), loads[1:2], extrapolate=True)
     assert wide["answered"].values[0] == wide["extrapolated"].values[0] == 1 and wide["range_used"].values[0] > 1.0
-    reach = SpaceAnswers.of(calibrated()).checked
+    reach, twist = SpaceAnswers.of(calibrated()).checked
+    assert twist == 0.0 and batch(calibrated(), LOADS[4:])["unchecked"].values[0] == 1  # T alone
     sizes = np.arange(1.0, 6.0, 0.5)
     some = batch(calibrated(), sizes[:, None] * LOADS[2])
     inside = some["answered"].values == 1
     np.testing.assert_array_equal(some["unchecked"].values[inside], (some["range_used"].values > reach)[inside])
     assert 0 < some["unchecked"].values[inside].sum() < inside.sum()
+
+
+def test_a_twist_that_is_held_back_checks_torsion_alone() -> None:
+    held = calibrated()["space/twist"].to_dataset(inherit=False).assign_attrs(role="held-back")
+    groups = {node.path: node.to_dataset(inherit=False) for node in calibrated().subtree} | {"/space/check": held}
+    tree = xr.DataTree.from_dict(groups, name="springs")
+    found = batch(tree, LOADS[4:])
+    assert found["unchecked"].values.tolist() == [0] and "check T " in found.attrs["space_errors"]
+    assert SpaceAnswers.of(tree).checked[1] == pytest.approx(1.0)
 
 
 def test_springs_without_a_twist_answer_torsion_as_before() -> None:
