@@ -57,12 +57,7 @@ def bound(port: int) -> socket.socket:
     """Return a socket bound to a port of this machine (0: a free one); refuse one that is in use."""
     import socket
 
-    taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        taken.bind((HOST, port))
+        return socket.create_server((HOST, port))
     except OSError as error:
-        taken.close()
         refuse("--port", f"{port} cannot be used ({error.strerror}): give another, or 0 for any free one")
-    taken.listen()
-    return taken

@@ -77,25 +77,26 @@ class Capacities:
         }  # fmt: skip
 
 
-def capacities(model: MacroModel, loads: Array, V: Array | None = None) -> Capacities:
-    """Return the largest known loads along loads (n, 2) = (H [N], M [N m]), at vertical loads V (n,) [N]."""
+def capacities(model: MacroModel, loads: Array, V: Array | float | None = None) -> Capacities:
+    """Return the largest known loads along loads (n, 2) = (H [N], M [N m]), at vertical loads V, one or (n,) [N]."""
     plane = loads / [1.0, model.length]
     size = np.hypot(*plane.T)
     loaded = np.flatnonzero(size > 0.0)
     out = Capacities(*np.full((3, len(loads)), np.nan), *np.full((2, len(loads)), "", dtype=object))
     if not loaded.size:
         return out
+    down = None if V is None else np.broadcast_to(V, size.shape)[loaded]
     directions = plane[loaded] / size[loaded, None]
     angles, place = np.unique(_angles(directions), return_inverse=True)
     ends = _ends(model, np.stack([np.cos(angles), np.sin(angles)], axis=1))
     largest = ends.largest[place]
     out.kind[loaded], out.source[loaded] = ends.kind[place], ends.source[place]
-    for each, rows in limit_loads_along(model, directions, None if V is None else V[loaded]):
+    for each, rows in limit_loads_along(model, directions, down):
         largest[rows] = np.hypot(each.H, each.M / model.length)
         out.kind[loaded[rows]], out.source[loaded[rows]] = FULL_LIMIT, f"path '{each.path}' {each.words}"
     none = largest <= 0.0  # no load is known that far
-    if V is not None:
-        beyond = vertical_use(model, V[loaded])["utilisation_V"] > 1.0 + SLACK
+    if down is not None:
+        beyond = vertical_use(model, down)["utilisation_V"] > 1.0 + SLACK
         out.source[loaded[beyond]], none = "V is beyond the largest known vertical load", none | beyond
     largest[none], out.kind[loaded[none]] = np.nan, NOT_KNOWN
     out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T

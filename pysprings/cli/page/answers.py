@@ -20,19 +20,19 @@ from pysprings.cli.page.sources import ARM, Field, H, M, Source, Values, command
 from pysprings.cli.predict import Question, way_to_load
 from pysprings.cli.support import quantities
 from pysprings.core.errors import PyspringsError
+from pysprings.core.units import si_of
+from pysprings.macro.capacity import Capacities, capacities
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from pysprings.macro.capacity import Capacities
     from pysprings.macro.model import MacroModel
 
 Array = NDArray[np.float64]
 
 DIRECTIONS = 24  # of the half plane of H and M/L; the other half mirrors them
 SHORT = 0.999  # of the largest load, up to which the curve goes on
-SI = {"MN": "N", "MN m": "N m", "m": "m"}
 SET = {"springs_kind": None, "path": None, "strict": False, "extrapolate": False}
 
 
@@ -140,7 +140,7 @@ def given_loads(values: Values, source: Source) -> list[tuple[Field, float]]:
 
 def question_of(values: Values, source: Source) -> Question:
     """Return the question of `predict` that inputs are, read from the texts of its options. Raises UserInputError."""
-    given = {f"--{each.name}": (each.text(value), SI[each.unit], "") for each, value in given_loads(values, source)}
+    given = {f"--{each.name}": (each.text(value), si_of(each.unit), "") for each, value in given_loads(values, source)}
     loads = quantities(given)
     return Question(H=loads.get("--H"), arm=loads.get("--arm"), M=loads.get("--M"), V=loads.get("--V"))
 
@@ -165,23 +165,17 @@ def _direction(question: Question) -> tuple[float, float]:
     return (force, moment) if force or moment else (1.0, question.arm or 0.0)
 
 
-def _capacities(model: MacroModel, loads: Array, V: float | None) -> Capacities:
-    from pysprings.macro.capacity import capacities
-
-    return capacities(model, loads, None if V is None else np.full(len(loads), V))
-
-
 def _around(model: MacroModel, V: float | None) -> Capacities:
     """Return the largest known loads all around the half plane of H and M/L."""
     angles = np.pi * np.arange(DIRECTIONS) / DIRECTIONS - 0.5 * np.pi
-    return _capacities(model, np.stack([np.cos(angles), np.sin(angles) * model.length], axis=1), V)
+    return capacities(model, np.stack([np.cos(angles), np.sin(angles) * model.length], axis=1), V)
 
 
 def _onward(model: MacroModel, direction: tuple[float, float], V: float | None) -> tuple[Capacities, xr.Dataset | None]:
     """Return the largest known load in a direction, and the states up to just below it; None where it is not known."""
     from pysprings.macro.predict import way_to_load as way
 
-    largest = _capacities(model, np.array([direction]), V)
+    largest = capacities(model, np.array([direction]), V)
     if not np.isfinite(largest.utilisation[0]):
         return largest, None
     try:

@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pandas import DataFrame
 
 from pysprings.cli.page.answers import Answer, load_of, profiles
+from pysprings.core.vertical_loads import close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.fan_springs import BAND
+from pysprings.results.plots.load_cases import MARKS, OTHER
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, KN, MM, MN, PURPLE, SKY, VERMILLION
 
 if TYPE_CHECKING:
@@ -22,7 +24,6 @@ REACTIONS = {"p": ("p [kN/m]", BLUE), "m": ("m [kN m/m]", PURPLE), "t": ("t [kN/
 MOST_NAMES = 12  # of loads that are written beside them
 BESIDE = ("top right", "bottom right", "top left", "bottom left")
 PICTURE = (6.4, 3.5)  # inch
-DPI = 150
 
 
 def figure(title: str, traces: list[Figure], **layout: Any) -> Figure:
@@ -117,45 +118,39 @@ def envelope(answer: Answer) -> Figure:
             at = (kinds == RANGE_END) == ends
             if at.any():
                 traces.append(dots(H[at], M[at], name, GREEN, symbol, size=6))
-    loads = [] if answer.question is None else [("load", *load_of(answer.question))]
-    if answer.cases is not None and not isinstance(answer.cases, str):
-        loads += zip(answer.cases["name"], answer.cases["H_N"], answer.cases["M_Nm"], strict=True)
-    across, along = (room(each, 0.25) for each in (H, M)) if traces else ([-1.0, 1.0], [-1.0, 1.0])
-    outside = []
-    for k, (name, force, moment) in enumerate(loads):
-        x, y = MN * force, MN * moment
-        if across[0] <= x <= across[1] and along[0] <= y <= along[1]:
-            own = k == 0 and answer.question is not None
-            look = (VERMILLION, "circle" if answer.way is not None else "x") if own else (INK, "square")
-            traces.append(dots([x], [y], name, *look, [name] if len(loads) <= MOST_NAMES else None, 9 if own else 6))
-            traces[-1]["textposition"] = BESIDE[k % len(BESIDE)]
-        else:
-            outside.append(name)
-    ends = any(each["name"] == "end of the range" for each in traces)
-    title = f"Largest known loads at this V{' (triangles: the springs end there)' if ends else ''}"
-    if outside:
-        more = f" and {len(outside) - 3} more" if len(outside) > 3 else ""
-        title = f"Largest known loads; outside the picture: {', '.join(outside[:3])}{more}"
+    loads, others = [], False
+    if answer.question is not None:
+        loads = [("load", *load_of(answer.question), VERMILLION, "circle" if answer.way is not None else "x")]
+    if answer.model is not None and answer.question is not None and isinstance(answer.cases, DataFrame):
+        V = answer.model.rest_load if answer.question.V is None else answer.question.V
+        near = close_loads(answer.cases["V_N"].fillna(V).to_numpy(float), V)
+        others = not bool(near.all())
+        for row, close in zip(answer.cases.to_dict("records"), near, strict=True):
+            colour, symbol = (MARKS.get(row["verdict"], OTHER)[1], "square") if close else (GREY, "square-open")
+            loads.append((row["name"], row["H_N"], row["M_Nm"], colour, symbol))
+    for k, (name, force, moment, colour, symbol) in enumerate(loads):
+        texts = [name] if len(loads) <= MOST_NAMES else None
+        traces.append(dots([MN * force], [MN * moment], name, colour, symbol, texts, 6 if k else 9))
+        traces[-1]["textposition"] = BESIDE[k % len(BESIDE)]
+    across, along = (room([x for each in traces for x in each[axis]], 0.25) for axis in "xy")
+    notes = ["triangles: the springs end there"] * any(each["name"] == "end of the range" for each in traces)
+    notes += ["grey: cases of another V"] * others
     axes = {"xaxis": {"title": {"text": "H [MN]"}, "range": across}}
+    known = answer.around is not None and bool(np.isfinite(answer.around.H).any())
+    title = "; ".join([f"{'Largest known loads' if known else 'No largest load is known'} at this V", *notes])
     return figure(title, traces, **axes, yaxis={"title": {"text": "M [MN m]"}, "range": along})
 
 
 def ground_picture(scene: Scene) -> str:
     """Return the picture of caisson and ground as a data URI of a PNG."""
     import xarray as xr
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Drawn
 
+    from pysprings.results.plots.files import content_of
     from pysprings.results.plots.ground import ground_profile
     from pysprings.results.plots.picture import View
-    from pysprings.results.plots.style import drawn_on
     from pysprings.results.report.page import picture_uri
 
-    drawn = Drawn(figsize=PICTURE, layout="constrained")
-    FigureCanvasAgg(drawn)
-    with drawn_on(drawn):
-        ground_profile(View(xr.DataTree(xr.Dataset(attrs={"scene_toml": scene.to_toml()}))))
+    drawn = ground_profile(View(xr.DataTree(xr.Dataset(attrs={"scene_toml": scene.to_toml()}))))
     drawn.suptitle("")
-    stream = BytesIO()
-    drawn.savefig(stream, format="png", dpi=DPI)
-    return picture_uri(stream.getvalue(), ".png")
+    drawn.set_size_inches(*PICTURE)
+    return picture_uri(content_of(drawn), ".png")

@@ -15,7 +15,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
 from dash import Dash, Input, Output, State, ctx, dcc, html, no_update
 
 from pysprings.cli.page import answers, figures
@@ -26,7 +25,6 @@ from pysprings.springs.checks import save_springs
 
 MOST_BYTES = 5_000_000  # of an uploaded table
 MOST_ROWS = 200  # of load cases that are shown
-AHEAD = 1.1  # of the largest known load, at the end of the slider of H
 GRAPHS = {"load": figures.load_over_motion, "depth": figures.by_depth, "envelope": figures.envelope}
 HTML = """<!DOCTYPE html>
 <html lang="en"><head>{%metas%}<title>{%title%}</title>{%favicon%}{%css%}</head>
@@ -138,7 +136,7 @@ class Page:
             return {
                 "numbers": [values[each.name] if first or each.name == name else no_update for each in self.fields],
                 "sliders": [no_update if each.name == name else values[each.name] or 0.0 for each in self.sliders],
-                "end": [no_update] * 2 if name == H.name else _end(answer),
+                "end": _end(values[H.name]) if first else [no_update] * 2,
                 "texts": [
                     _numbers(answer, source, values), _remarks(answer),
                     no_update if key == drawn else _facts(source, values), answers.command_of(values, source),
@@ -175,12 +173,9 @@ def _number(value: Any) -> float | None:
     return None if value in (None, "") else float(value)
 
 
-def _end(answer: Answer) -> list[Any]:
-    """Return the end of the slider of H [MN], a little beyond the largest known load of its direction, and its step."""
-    if answer.largest is None or answer.question is None or answer.question.M is not None:
-        return [no_update] * 2
-    largest = abs(1e-6 * float(answer.largest.H[0]))
-    end = float(f"{AHEAD * largest:.2g}") if 0.0 < largest < np.inf else 1.0
+def _end(half: float | None) -> list[Any]:
+    """Return the end of the slider of H [MN], twice half of the largest known load at the start, and its step."""
+    end = 2.0 * half if half else 1.0
     return [end, Field("H", "", "", None, (0.0, end)).step]
 
 

@@ -7,7 +7,7 @@ import math
 import shlex
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Values = Mapping[str, float | None]  # of inputs, in the units that they show; None: blank
 
 DIAMETERS = (2.0, 20.0)  # m, of the slider
-SPAN, HALVINGS = 5.0, 6  # factor about the start that is looked at for the ends of a slider, and steps towards them
+SPAN = 5.0  # factor from the start of a slider to its ends; what the atlas does not cover is refused
 
 
 @dataclass(frozen=True)
@@ -139,11 +139,11 @@ class AtlasSource:
             Field("L", "m", "skirt length", _round(caisson.outer_diameter * math.sqrt(math.prod(ratios))), lengths),
         )
         data = tomllib.loads(atlas.text.text)
-        ground = [_ground_field(atlas, name, keys, data) for name, keys in atlas.family.short.items() if name != "V"]
+        ground = [_ground_field(name, keys, data) for name, keys in atlas.family.short.items() if name != "V"]
         at_rest = caisson.vertical_load
         start = None if isinstance(at_rest, str) else 1e-6 * at_rest
-        largest = _end(atlas, "V", "MN", start or 0.01, 1e4)
-        down = Field("V", "MN", f"{V.tip[:-15]} scene" if start else V.tip, start, (0.0, largest))
+        down = replace(V, tip="vertical load, down; blank: that of the base scene", start=start,
+                       ends=(0.0, SPAN * (start or 1.0)))  # fmt: skip
         title = f"{atlas.about.get('title', '')} ({atlas.source})"
         return cls(name, atlas, title, (*sizes, *ground), (H, ARM, M, down))
 
@@ -186,36 +186,16 @@ class AtlasSource:
         return ["--atlas", self.name, *sizes, *(text for each in self._changes(values) for text in ("--set", each))]
 
 
-def _ground_field(atlas: Atlas, name: str, keys: str, data: Mapping[str, Any]) -> Field:
+def _ground_field(name: str, keys: str, data: Mapping[str, Any]) -> Field:
     """Return the input of a value of the ground; its start and unit are those of the base scene."""
     given: Any = data
     for key in keys.split("."):
         given = given[key] if isinstance(given, dict) else next(each for each in given if each.get("name") == key)
     value, _, unit = str(given).partition(" ")
     start = float(value)
-    ends = (_end(atlas, name, unit, start, 1.0 / SPAN), _end(atlas, name, unit, start, SPAN))
-    return Field(name, unit, keys.replace(".", " ").replace("_", " "), start, ends)
-
-
-def _end(atlas: Atlas, name: str, unit: str, start: float, factor: float) -> float:
-    """Return the last value up to factor times the start that the atlas covers, all else as in its base scene."""
-
-    def covered(value: float) -> bool:
-        from pysprings.scene.changes import read_changes
-
-        text = f'{name}="{value:.12g} {unit}"' if unit else f"{name}={value:.12g}"
-        try:
-            return atlas.covers(atlas.scene(changes=read_changes([text])))
-        except PyspringsError:
-            return False
-
-    inside, outside = 1.0, factor
-    if covered(start * outside):
-        return start * outside
-    for _ in range(HALVINGS if factor < 100.0 else 2 * HALVINGS):
-        middle = math.sqrt(inside * outside)
-        inside, outside = (middle, outside) if covered(start * middle) else (inside, middle)
-    return _round(start * inside)
+    return Field(
+        name, unit, keys.replace(".", " ").replace("_", " "), start, (_round(start / SPAN), _round(start * SPAN))
+    )
 
 
 def _round(value: float) -> float:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKS = {"ok": ("s", GREEN), "supported in part": ("D", ORANGE), "no answer": ("P", PURPLE)}
+OTHER = ("X", VERMILLION)  # overloaded, tilt exceeded
 MOST_NAMED = 12  # cases with their names: those of the largest utilisation
 
 
@@ -56,7 +57,7 @@ def load_cases(table: pd.DataFrame, springs: AnySprings | None) -> Figure:
         _springs(axes, springs)
     _capacities(axes, shown)
     for verdict, part in shown.groupby("verdict"):
-        mark, colour = MARKS.get(str(verdict), ("X", VERMILLION))
+        mark, colour = MARKS.get(str(verdict), OTHER)
         look: Any = {"color": colour, "markersize": 7, "linestyle": "none", "zorder": 4}
         axes.plot(MN * part["V_N"], MN * part["H_N"].abs(), mark, label=f"load case, {verdict}", **look)
     named = shown.sort_values("utilisation").drop_duplicates("name").tail(MOST_NAMED).sort_values("V_N")

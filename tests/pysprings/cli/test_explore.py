@@ -16,15 +16,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
-from pysprings.cli.page import answers
+from pysprings.cli.page import answers, figures
 from pysprings.cli.page.answers import Answer, Asker
 from pysprings.cli.page.sources import AtlasSource, RunSource, Source
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.results.plots import style
+from pysprings.results.plots.load_cases import MARKS
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.studies.design import answer_cases
 from tests.support import synthetic
@@ -151,16 +153,56 @@ def test_load_cases_are_those_of_design(clay: AtlasSource, tmp_path: Path) -> No
     assert wrong.way is not None  # the load has its answer
 
 
-def test_ends_of_sliders_are_covered_where_all_else_is_at_its_start() -> None:
-    for name in ("clay", "clay-gap", "sand"):
-        source = AtlasSource.of(name)
-        base = dict(L=source.atlas.base.caisson.skirt_length)
-        for each in source.fields[2:]:
-            assert each.ends is not None
-            assert each.ends[0] < each.start < each.ends[1], each.name  # type: ignore[operator]
-            for end in each.ends:
-                middle = each.start + 0.95 * (end - each.start)  # type: ignore[operator]
-                source.springs(start(source, **base | {each.name: middle}))
+def test_figures_have_the_numbers_of_the_answer(run_folder: Path) -> None:
+    """States of the two paths, under their own loads: motion, p, m and t are those of the path, at its depths."""
+    source = RunSource.of(run_folder)
+    push = source.tree["paths/push"].to_dataset().isel(step=4)
+    H, M = float(push["H"]), float(push["M"])
+    answer = Asker(source).answer(start(source, H=1e-6 * H, M=1e-6 * M))
+    drawn = {each["name"]: each for each in figures.load_over_motion(answer)["data"]}
+    (place,) = zip(drawn["answer"]["x"], drawn["answer"]["y"], strict=True)
+    assert place == pytest.approx((1e3 * float(push["u"]), 1e-6 * H))
+    largest = float(answer.largest.H[0])  # type: ignore[union-attr]
+    assert drawn["known"]["y"][-1] == pytest.approx(0.999e-6 * largest, rel=1e-6)
+    assert answer.onward is not None
+    np.testing.assert_allclose(answer.onward["M"][1:] / answer.onward["H"][1:], M / H, rtol=1e-9)
+    turn = source.tree["paths/turn"].to_dataset().isel(step=4)
+    answer = Asker(source).answer(start(source, H=1e-6 * float(turn["H"]), M=1e-6 * float(turn["M"])))
+    by_depth = figures.by_depth(answer)["data"]
+    assert [each["name"] for each in by_depth] == ["p [kN/m]", "m [kN m/m]", "t [kN/m]"]
+    for each, values in zip(by_depth, (turn["p"], turn["m"].sum("side"), turn["t"].sum("side")), strict=True):
+        np.testing.assert_allclose(each["y"], turn["depth"])
+        np.testing.assert_allclose(each["x"], 1e-3 * values, rtol=1e-6, atol=1e-6)
+    assert min(max(map(abs, each["x"])) for each in by_depth) > 0.0
+    turned = figures.load_over_motion(Asker(source).answer(start(source, M=0.2)))["data"]
+    assert (turned[-1]["name"], turned[-1]["y"]) == ("answer", pytest.approx([0.2]))
+
+
+def test_the_band_is_that_of_95_percent_of_the_deviation(clay: AtlasSource) -> None:
+    answer = Asker(clay).answer(start(clay, H=0.3))
+    band = figures.load_over_motion(answer)["data"][0]
+    assert answer.onward is not None and band["name"] == "band of 95 %"
+    u, d = 1e3 * answer.onward["u"].values, 1.96e3 * answer.onward["u_deviation"].values
+    known = np.isfinite(d)
+    np.testing.assert_allclose(band["x"][: known.sum()], np.maximum(u - d, 0.0)[known], rtol=1e-3, atol=1e-9)
+    np.testing.assert_allclose(band["x"][::-1][: known.sum()], (u + d)[known], rtol=1e-3)
+
+
+def test_load_cases_of_another_vertical_load_are_grey(run_folder: Path) -> None:
+    source, values = RunSource.of(run_folder), start(RunSource.of(run_folder), H=0.1)
+    rows = b"name,H [kN],M [kN m],V [MN]\nhere,100,300,2\nlighter,50,-80,1\nhuge,9e5,1,2\n"
+    answer = Asker(source).answer(values, ("cases.csv", f"data:,{base64.b64encode(rows).decode()}"))
+    picture = figures.envelope(answer)
+    drawn = {each["name"]: each for each in picture["data"]}
+    for name, place, look in (("load", (0.1, 1.0), (style.VERMILLION, "circle")),
+                              ("here", (0.1, 0.3), (MARKS["supported in part"][1], "square")),
+                              ("lighter", (0.05, -0.08), (style.GREY, "square-open")),
+                              ("huge", (900.0, 1e-3), (MARKS["no answer"][1], "square"))):  # fmt: skip
+        assert (*drawn[name]["x"], *drawn[name]["y"]) == pytest.approx(place)
+        assert (drawn[name]["marker"]["color"], drawn[name]["marker"]["symbol"]) == look
+    assert "grey: cases of another V" in picture["layout"]["title"]["text"]
+    low, high = picture["layout"]["xaxis"]["range"]
+    assert low < -0.1 and high > 900.0
 
 
 def test_commands_that_are_not_enough(run_folder: Path) -> None:

@@ -140,7 +140,7 @@ def test_each_case_of_a_run_is_answered_by_the_springs_at_its_load(
     rows = {row["name"]: row for row in json.loads(done.out)["cases"]}
     at = {name: round(1e-6 * row["V_springs_N"], 3) for name, row in rows.items()}
     assert at == {"calm": 1.0, "near": 1.0, "storm": 2.0, "heavy": 2.0, "light": 0.5, "still": 2.0}
-    assert rows.pop("still")["verdict"] == "ok"
+    assert "at V" not in rows.pop("still")["marks"]  # which has w of the elastic stiffness
     assert {row["marks"] for row in rows.values()} == {"off the calibrated paths"}  # rays 90 degrees apart; none of V
     springs = Springs.of(read_tree(Path("out/springs.nc")))
     for name, suffix in (("calm", ""), ("storm", "_load_2"), ("light", "_load_1")):  # those springs alone

@@ -124,6 +124,8 @@ def test_the_picture_has_cases_springs_and_largest_loads(tmp_path: Path) -> None
     near = np.concatenate([xy for label, xy in drawn.items() if label.startswith("largest H")])
     np.testing.assert_allclose(near[near[:, 0].argsort()], [[2.0, known["low"]], [6.0, known["high"]]])
     np.testing.assert_allclose(far, [[4.0, known["between"]]])
+    bands = sorted((each.get_x(), each.get_x() + each.get_width()) for each in axes.patches)
+    np.testing.assert_allclose(bands, [[1.8, 2.0 / 0.9], [5.4, 6.0 / 0.9]])
     assert axes.texts[0].get_text() == "load at 2 m"
     assert sorted(text.get_text() for text in axes.texts[1:]) == ["between", "high", "lifted", "low"]
     (alone,) = load_cases(table, None).axes  # of several estimates: no lines of one of them
