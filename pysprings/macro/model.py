@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
+from pysprings.core.text import number
+from pysprings.core.vertical_loads import close_loads
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.fan import FanTable, has_fan
 from pysprings.macro.response import Response
@@ -208,6 +210,9 @@ def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapp
     if springs.stiffness is None:
         yield NO_VERTICAL
     yield from response.remarks
+    if (loads := springs.blended_loads) and not close_loads(np.array(loads), response.origin.load).any():
+        span = " and ".join(number(1e-6 * V) for V in loads)
+        yield f"V is between the springs at {span} MN, more than 10 % from both: interpolated"
     if springs.of_atlas:
         yield OF_ATLAS.format(springs.attrs["source"], springs.attrs.get("atlas_cases", "?"))
         if mesh := str(springs.attrs.get("atlas_mesh", "")):

@@ -2,6 +2,7 @@
 """`explore`: its answers are those of the commands it shows; the page in a real browser, on a run and on an atlas."""
 
 import base64
+import io
 import json
 import re
 import shlex
@@ -27,9 +28,10 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.results.plots import style
 from pysprings.results.plots.load_cases import MARKS
+from pysprings.scene.load import parse_scene
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.studies.design import answer_cases
-from tests.support import synthetic
+from tests.support import synthetic, tiny
 from tests.support.commands import command, environment
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -224,6 +226,18 @@ def test_titles_are_texts_and_other_hosts_are_refused(run_folder: Path) -> None:
     assert "&lt;script&gt;alert" in page
     assert '<html lang="en">' in page
     assert client.get("/", headers={"Host": "elsewhere.example"}).status_code == 400  # a name that resolves to here
+
+
+def test_the_scene_of_the_download_names_no_table_of_load_cases(run_folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("dash")
+    from pysprings.cli.page.page import Page
+
+    scene = tiny.scene(design={"cases": "not/here.csv"})
+    source = replace(RunSource.of(run_folder), read=scene)
+    saved = Page(source).saved(None, list(start(source, H=0.1).values()))
+    with zipfile.ZipFile(io.BytesIO(base64.b64decode(saved["content"]))) as archive:
+        text = archive.read("scene.toml").decode()
+    assert parse_scene(text) == scene.replace(design={"cases": None})
 
 
 def test_nothing_of_an_earlier_caisson_stays_beside_a_refused_one(clay: AtlasSource) -> None:

@@ -83,6 +83,8 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     assert table["V_springs_N"].tolist() == pytest.approx([2e6, 6e6, 6e6])  # 4 is 1/3 below 6, 1/2 above 2
     with pytest.warns(UserWarning):  # two rays are 90 degrees apart
         sides = [1e3 * float(predict(tree, H=1e5, arm=2.0, V=V)["u"]) for V in (2e6, 6e6)]
+        notes = ["; ".join(predict(tree, H=1e5, arm=2.0, V=V).attrs["remarks"]) for V in (2.1e6, 4e6)]
+    assert ["V is between the springs at 2 and 6 MN" in text for text in notes] == [False, True]
     words = f"at V 2 and 6 MN: u {sides[0]:.3g} and {sides[1]:.3g} mm, rotation "
     assert "at V" not in table["marks"]["at 2.1"]
     assert f"V between the springs, interpolated; {words}" in table["marks"]["at 4"]
