@@ -26,6 +26,7 @@ from pysprings.cli.page.answers import Answer, Asker
 from pysprings.cli.page.sources import AtlasSource, RunSource, Source
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.macro.batch import predict_batch
 from pysprings.results.plots import style
 from pysprings.results.plots.load_cases import MARKS
 from pysprings.scene.load import parse_scene
@@ -202,6 +203,10 @@ def test_load_cases_of_another_vertical_load_are_grey(run_folder: Path) -> None:
                               ("huge", (900.0, 1e-3), (MARKS["no answer"][1], "square"))):  # fmt: skip
         assert (*drawn[name]["x"], *drawn[name]["y"]) == pytest.approx(place)
         assert (drawn[name]["marker"]["color"], drawn[name]["marker"]["symbol"]) == look
+    ends = [each for each in picture["data"] if each["name"] in ("largest known load", "capacity", "end of the range")]
+    H, M = (1e6 * np.concatenate([each[axis] for each in ends]) for axis in "xy")
+    assert H.size == 2 * (2 * answers.DIRECTIONS + 1)  # each as a point of the line and as a dot
+    np.testing.assert_allclose(predict_batch(source.tree, H=H, M=M)["utilisation"], 1.0, rtol=1e-6)
     assert "grey: cases of another V" in picture["layout"]["title"]["text"]
     low, high = picture["layout"]["xaxis"]["range"]
     assert low < -0.1 and high > 900.0
