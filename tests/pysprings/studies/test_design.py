@@ -9,6 +9,7 @@ import openpyxl
 import pandas as pd
 import pytest
 
+from pysprings.cli import design as cli
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.model import MacroModel
@@ -109,6 +110,22 @@ def test_without_a_table_and_without_a_run_that_names_one_design_is_refused(spri
     done = command("design", save_springs(springs, tmp_path / "springs.nc"))
     assert done.code == 2
     assert "CASES: name a table of load cases: there is no run here whose scene has [design] cases" in done.err
+
+
+def test_the_table_of_the_run_is_named_and_several_estimates_have_no_lines_of_one(
+    springs, cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("low", "best"):
+        (tmp_path / name).mkdir()
+        save_springs(springs, tmp_path / name / "springs.nc")
+    monkeypatch.setattr(cli, "_cases_of", lambda _: cases)
+    drawn = []
+    monkeypatch.setattr(files, "write", lambda *given: drawn.append(given[-1]))
+    for folder in (tmp_path, tmp_path / "low"):
+        done = command("design", folder, "--out", tmp_path / "a.png")
+        assert done.out.startswith(f"load cases: {cases} as it is now ([design] cases of the run)\n\ncase")
+    assert drawn[0] is None and drawn[1] is not None
+    assert "as it is now" not in command("design", tmp_path / "low", cases).out
 
 
 def test_the_picture_has_cases_springs_and_largest_loads(tmp_path: Path) -> None:
