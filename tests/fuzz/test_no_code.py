@@ -18,6 +18,7 @@ MODULES = {
 # and Pardiso is called by its address, as the wrapper that loads it does, with less copying
 # `pysprings soildyn` builds its own C sources with the compiler of the system, or that of the command line; no shell
 ALLOWED = {
+    "pysprings/cli/explore.py": {"socket"},
     "pysprings/results/exporters/soildyn/library.py": {"subprocess"},
     "fe_engine/linear/backends.py": {"ctypes"},
     "fe_engine/register.py": {"exec", "compile"},

@@ -139,7 +139,9 @@ class AtlasSource:
             Field("L", "m", "skirt length", _round(caisson.outer_diameter * math.sqrt(math.prod(ratios))), lengths),
         )
         data = tomllib.loads(atlas.text.text)
-        ground = [_ground_field(name, keys, data) for name, keys in atlas.family.short.items() if name != "V"]
+        covered = {label: (float(a), float(b)) for label, (a, b) in zip(atlas.family.labels, atlas.box.T, strict=True)}
+        short = {name: keys for name, keys in atlas.family.short.items() if name != "V"}
+        ground = [_ground_field(name, keys, data, covered.get(name)) for name, keys in short.items()]
         at_rest = caisson.vertical_load
         start = None if isinstance(at_rest, str) else 1e-6 * at_rest
         down = replace(V, tip="vertical load, down; blank: that of the base scene", start=start,
@@ -186,16 +188,15 @@ class AtlasSource:
         return ["--atlas", self.name, *sizes, *(text for each in self._changes(values) for text in ("--set", each))]
 
 
-def _ground_field(name: str, keys: str, data: Mapping[str, Any]) -> Field:
+def _ground_field(name: str, keys: str, data: Mapping[str, Any], covered: tuple[float, float] | None) -> Field:
     """Return the input of a value of the ground; its start and unit are those of the base scene."""
     given: Any = data
     for key in keys.split("."):
         given = given[key] if isinstance(given, dict) else next(each for each in given if each.get("name") == key)
     value, _, unit = str(given).partition(" ")
     start = float(value)
-    return Field(
-        name, unit, keys.replace(".", " ").replace("_", " "), start, (_round(start / SPAN), _round(start * SPAN))
-    )
+    low, high = covered or (start / SPAN, start * SPAN)
+    return Field(name, unit, keys.replace(".", " ").replace("_", " "), start, (_round(low), _round(high)))
 
 
 def _round(value: float) -> float:

@@ -182,6 +182,7 @@ OF_CLAY = (
 )  # fmt: skip
 FACTORS = ("compression_factor", "direct_shear_factor", "extension_factor")
 CHANGES: dict[tuple[str, str], Any] = {
+    ("design", "cases"): "loads.csv",
     ("soil", "layers"): ({"top": 0.0, "cohesion": 3e3},),
     ("interface", "normal_stiffness"): 3e9,
     ("interface", "shear_stiffness"): 3e9,
