@@ -71,7 +71,7 @@ def design(
         files.check_ending(file)
     if in_report:
         files.check_run(result)
-    read = read_load_cases(used := cases or _cases_of(result))
+    read = read_load_cases(used := cases or cases_of(result))
     answers, table, springs = _answers(
         result, strict, lambda springs: answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set,
                                                      path=path),
@@ -101,7 +101,7 @@ def design(
             print_summary(record)
 
 
-def _cases_of(result: Path) -> Path:
+def cases_of(result: Path) -> Path:
     """Return the table that the scene of a run names."""
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.estimates import folders_of

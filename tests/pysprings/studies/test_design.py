@@ -118,7 +118,7 @@ def test_the_table_of_the_run_is_named_and_several_estimates_have_no_lines_of_on
     for name in ("low", "best"):
         (tmp_path / name).mkdir()
         save_springs(springs, tmp_path / name / "springs.nc")
-    monkeypatch.setattr(cli, "_cases_of", lambda _: cases)
+    monkeypatch.setattr(cli, "cases_of", lambda _: cases)
     drawn = []
     monkeypatch.setattr(files, "write", lambda *given: drawn.append(given[-1]))
     for folder in (tmp_path, tmp_path / "low"):
