@@ -23,7 +23,7 @@ from pysprings.full_model.accuracy import extrapolation, two_mesh
 from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
-from pysprings.model.fourier_mesh import ground_of_sections
+from pysprings.model.fourier_mesh import COHESIVE, ground_of_sections
 from pysprings.springs.path import paths_of, space_paths_of
 from pysprings.springs.path_ends import MESH_ERROR
 
@@ -311,4 +311,7 @@ def _extrapolated(
     how: dict[str, Any] = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
     if corrected:
         how["harmonics_added"] = corrected
+    length, width = scene.caisson.skirt_length, scene.caisson.outer_diameter
+    if ground_of_sections(scene) == COHESIVE and length < two_mesh.SHORT * width:
+        how["short_skirt"] = True
     return replace(result, tree=tree), how

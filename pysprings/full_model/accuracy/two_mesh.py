@@ -51,6 +51,9 @@ ORDERS = {BRICKS: {LOAD: 1.715, PY: 1.988}, FOURIER: {LOAD: 1.711, PY: 2.0, STIF
 # Shares of the difference of both meshes that extrapolation may leave: half of what orders of 1.4 and 3 differ by, for
 # load and rotation; p(y) near the tip has none that it keeps. See benchmarks/error_estimates.py.
 UNSURE = {LOAD: 0.35, OTHER: 0.4, PY: 0.5}
+# Times as much is left of load and p(y) in clay where the skirt is shorter than this share of D: four scenes of
+# `benchmarks.error_estimates --clay` had 0.4 to 2 (load) and 1.4 to 2.5 times (p-y) what was estimated.
+SHORT, SHORT_TIMES = 0.5, 2.5
 # Share of the difference of N and N + 2 harmonics that adding it leaves; N 3, clay with a gap, 10 % of D: 0.3 of loads.
 LEFT = 0.5
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
@@ -155,6 +158,7 @@ def estimate(
         result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
     better: Sequence[str] = ()
     corrected: Sequence[str] = ()
+    short = bool(extrapolated and extrapolated.get("short_skirt"))
     if extrapolated is not None:
         better, corrected = extrapolated["paths"], extrapolated.get("harmonics_added", ())
         left_of = {name: UNSURE[q] for name, q in ESTIMATED.items() if q in UNSURE}
@@ -172,6 +176,7 @@ def estimate(
             more = beyond[path][name] if path in beyond else np.mean(known) if known and lateral else np.nan
             more *= LEFT if path in corrected else 1.0
             left = UNSURE.get(quantity, whole) if path in better else whole
+            left *= SHORT_TIMES if path in better and short and quantity in (LOAD, PY) else 1.0
             if np.isfinite(each[name]):
                 estimates[path][name] = left * each[name] + (more if np.isfinite(more) else 0.0)
             if quantity == OTHER and path in better and name in estimates[path]:  # meshes may agree by chance

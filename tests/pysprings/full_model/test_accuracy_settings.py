@@ -138,6 +138,9 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
     ratio = left["by_path"]["pull"]["load_pct"] / found["by_path"]["pull"]["load_pct"]
     assert ratio == pytest.approx(two_mesh.UNSURE["load"] * (found["cell_ratio"] ** order - 1.0) / 3.0, rel=1e-3)
     assert left["by_path"]["shift"] == found["by_path"]["shift"]
+    given = {"paths": ["pull"], "order": order, "short_skirt": True}
+    short = two_mesh.estimate(fine, coarse, extrapolated=given)["by_path"]["pull"]
+    assert short["load_pct"] == pytest.approx(two_mesh.SHORT_TIMES * left["by_path"]["pull"]["load_pct"])
     of_pull = left["by_path"]["pull"]  # both meshes have one rotation
     assert of_pull["rotation_pct"] == of_pull["load_pct"] and found["by_path"]["pull"]["rotation_pct"] == 0.0
 
