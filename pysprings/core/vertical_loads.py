@@ -59,7 +59,7 @@ def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:
         group = left[close_loads(left, end) | (left <= end)]
         product, half = float(low * group[-1]), float(0.5 * (low + group[-1]))
         middle = np.copysign(np.sqrt(product), half) if product > 0.0 else half
-        nearest = min(group, key=lambda value: abs(value - middle))
-        found.append(next(float(V) for V in (nearest, middle, half) if close_loads(group, V).all()))
+        own = min(group, key=lambda value: abs(value - middle))
+        found.append(next(float(V) for V in (own, middle, half) if close_loads(group, V).all()))
         left = left[group.size :]
     return tuple(found)

@@ -23,7 +23,7 @@ from pysprings.full_model.accuracy import extrapolation, two_mesh
 from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
-from pysprings.model.fourier_mesh import COHESIVE, ground_of_sections
+from pysprings.model.fourier_mesh import ground_of_sections
 from pysprings.springs.path import paths_of, space_paths_of
 from pysprings.springs.path_ends import MESH_ERROR
 
@@ -142,11 +142,10 @@ def _choose(
         if not run(few.replace(**richer), n + 2, companions.richer):
             return
         enough = max(_changes(companions, n), default=0.0) <= two_mesh.LEFT * most
-        if not enough and few is not coarse:
-            known = _names(companions.richer[n + 2])
-            rest = tuple(path for path in coarse.all_paths if path.name not in known)
-            if not run(coarse.replace(paths=rest, **richer), n + 2, companions.richer):
-                return
+        known = _names(companions.richer[n + 2])
+        rest = tuple(path for path in coarse.all_paths if path.name not in known and not enough)
+        if rest and not run(coarse.replace(paths=rest, **richer), n + 2, companions.richer):
+            return
         enough = enough or max(_changes(companions, n, two_mesh.LEFT), default=0.0) <= most
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:
             return
@@ -311,7 +310,6 @@ def _extrapolated(
     how: dict[str, Any] = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
     if corrected:
         how["harmonics_added"] = corrected
-    length, width = scene.caisson.skirt_length, scene.caisson.outer_diameter
-    if ground_of_sections(scene) == COHESIVE and length < two_mesh.SHORT * width:
+    if two_mesh.short_skirt(scene):
         how["short_skirt"] = True
     return replace(result, tree=tree), how

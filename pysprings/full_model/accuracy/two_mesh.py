@@ -35,6 +35,7 @@ from pysprings.full_model.accuracy.curves import (
 )
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
+from pysprings.model.fourier_mesh import COHESIVE, ground_of_sections
 from pysprings.springs.path import paths_of, space_paths_of
 
 if TYPE_CHECKING:
@@ -121,10 +122,10 @@ def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
     return found
 
 
-def difference(fine: xr.DataTree, coarse: xr.DataTree) -> dict[str, float] | None:
-    """Return the difference [%] of two results by measure, worst path; None where they have no path in common."""
-    by_path = differences(fine, coarse)
-    return measures.worst(list(by_path.values())) if by_path else None
+def short_skirt(scene: Scene) -> bool:
+    """Return whether the skirt of a caisson in clay is so short that SHORT_TIMES holds."""
+    ground, caisson = ground_of_sections(scene), scene.caisson
+    return ground == COHESIVE and caisson.skirt_length < SHORT * caisson.outer_diameter
 
 
 def estimate(
@@ -157,11 +158,9 @@ def estimate(
         numbers = [int(tree.attrs["harmonics"]) for tree in (coarse, richer)]
         result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
     better: Sequence[str] = ()
-    corrected: Sequence[str] = ()
-    short = bool(extrapolated and extrapolated.get("short_skirt"))
+    left_of: dict[str, float] = {}
     if extrapolated is not None:
-        better, corrected = extrapolated["paths"], extrapolated.get("harmonics_added", ())
-        left_of = {name: UNSURE[q] for name, q in ESTIMATED.items() if q in UNSURE}
+        better, left_of = extrapolated["paths"], _left_of(extrapolated)
         result |= {"extrapolated": {**extrapolated, "left": left_of}}
     estimates: ByPath = {name: {} for name in own}
     for name, quantity in ESTIMATED.items():
@@ -170,16 +169,13 @@ def estimate(
         if quantity == STIFFNESS and not starts_elastic(fine):
             continue
         whole = SAFETY[kind] / (ratio**order - 1.0)
-        known = [each[name] for each in beyond.values() if np.isfinite(each["py_rms"]) and np.isfinite(each[name])]
+        more = _of_harmonics(name, own, beyond, extrapolated or {})
         for path, each in own.items():
-            lateral = np.isfinite(each["py_rms"])  # of such paths that did not run with more harmonics: the mean
-            more = beyond[path][name] if path in beyond else np.mean(known) if known and lateral else np.nan
-            more *= LEFT if path in corrected else 1.0
-            left = UNSURE.get(quantity, whole) if path in better else whole
-            left *= SHORT_TIMES if path in better and short and quantity in (LOAD, PY) else 1.0
-            if np.isfinite(each[name]):
-                estimates[path][name] = left * each[name] + (more if np.isfinite(more) else 0.0)
-            if quantity == OTHER and path in better and name in estimates[path]:  # meshes may agree by chance
+            if not np.isfinite(each[name]):
+                continue
+            left = left_of.get(name, whole) if path in better else whole
+            estimates[path][name] = left * each[name] + more[path]
+            if quantity == OTHER and path in better:  # meshes may agree by chance
                 estimates[path][name] = max(estimates[path][name], estimates[path].get("load_max", 0.0))
         for key, values in (("difference_pct", own), ("harmonics_pct", beyond)):
             finite = [each[name] for each in values.values() if np.isfinite(each[name])]
@@ -188,6 +184,28 @@ def estimate(
         if any(name in each for each in estimates.values()):
             result["estimate_pct"][name] = max(each[name] for each in estimates.values() if name in each)
     return result | _by_path(estimates) if result["estimate_pct"] else missing(_NOT_FINITE)
+
+
+def _left_of(extrapolated: Mapping[str, Any]) -> dict[str, float]:
+    """Return the share of the difference of both meshes that extrapolation leaves, by measure."""
+    times = SHORT_TIMES if extrapolated.get("short_skirt") else 1.0
+    return {
+        name: UNSURE[quantity] * (times if quantity in (LOAD, PY) else 1.0)
+        for name, quantity in ESTIMATED.items()
+        if quantity in UNSURE
+    }
+
+
+def _of_harmonics(name: str, own: ByPath, beyond: ByPath, extrapolated: Mapping[str, Any]) -> dict[str, float]:
+    """Return by path of ``own`` what harmonics leave of a measure [%], from their differences ``beyond``.
+
+    A lateral path that did not run with more harmonics has the mean of those that did.
+    """
+    known = [each[name] for each in beyond.values() if np.isfinite(each["py_rms"]) and np.isfinite(each[name])]
+    mean, corrected = float(np.mean(known)) if known else 0.0, extrapolated.get("harmonics_added", ())
+    found = {path: mean * bool(np.isfinite(each["py_rms"])) for path, each in own.items()}
+    found |= {path: float(np.nan_to_num(beyond[path][name])) for path in own if path in beyond}
+    return {path: size * (LEFT if path in corrected else 1.0) for path, size in found.items()}
 
 
 _NOT_FINITE = "the difference of both meshes has no finite value"

@@ -27,6 +27,7 @@ from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, 
 from pysprings.model.build import counts_of
 from pysprings.model.fourier import section_counts_of
 from pysprings.model.mesh import PRESETS as MESHES
+from pysprings.scene.template import template_text
 from pysprings.springs.path import paths_of
 from tests.support import tiny
 from tests.support.measured import with_error
@@ -140,9 +141,18 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
     assert left["by_path"]["shift"] == found["by_path"]["shift"]
     given = {"paths": ["pull"], "order": order, "short_skirt": True}
     short = two_mesh.estimate(fine, coarse, extrapolated=given)["by_path"]["pull"]
+    assert two_mesh.estimate(fine, coarse, extrapolated=given)["extrapolated"]["left"]["load_max"] == 2.5 * 0.35
     assert short["load_pct"] == pytest.approx(two_mesh.SHORT_TIMES * left["by_path"]["pull"]["load_pct"])
     of_pull = left["by_path"]["pull"]  # both meshes have one rotation
     assert of_pull["rotation_pct"] == of_pull["load_pct"] and found["by_path"]["pull"]["rotation_pct"] == 0.0
+
+
+@pytest.mark.parametrize(("length", "short"), [(3.9, True), (4.0, False), (6.0, False)])
+def test_skirts_below_half_a_diameter_are_short_in_clay_alone(length: float, short: bool) -> None:
+    clay = tiny.parsed(template_text("soft-clay")).replace(caisson={"outer_diameter": 8.0, "skirt_length": length})
+    assert two_mesh.short_skirt(clay) == short
+    sand = tiny.sand()
+    assert sand.caisson.skirt_length > 0.0 and not two_mesh.short_skirt(sand.replace(caisson={"skirt_length": 1.0}))
 
 
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
