@@ -35,7 +35,6 @@ from pysprings.full_model.accuracy.curves import (
 )
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
-from pysprings.model.fourier_mesh import COHESIVE, ground_of_sections
 from pysprings.springs.path import paths_of, space_paths_of
 
 if TYPE_CHECKING:
@@ -124,8 +123,8 @@ def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
 
 def short_skirt(scene: Scene) -> bool:
     """Return whether the skirt of a caisson in clay is so short that SHORT_TIMES holds."""
-    ground, caisson = ground_of_sections(scene), scene.caisson
-    return ground == COHESIVE and caisson.skirt_length < SHORT * caisson.outer_diameter
+    caisson = scene.caisson
+    return scene.ground.total_stress and caisson.skirt_length < SHORT * caisson.outer_diameter
 
 
 def estimate(
