@@ -54,10 +54,7 @@ class Registry(Generic[Item]):
     def register(self, item: Item) -> Item:
         """Add a case and return it.
 
-        Raises
-        ------
-        ValueError
-            The name is taken, or is not a word of lower-case letters, digits, `-` and `_`.
+        Raises ValueError: the name is taken, or is not a word of lower-case letters, digits, `-` and `_`.
         """
         if not _NAME.fullmatch(item.name):
             raise ValueError(f"{self.kind} {item.name!r}: a name has lower-case letters, digits, '-' and '_' only")

@@ -158,11 +158,8 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
 def raise_if_incomplete(result: Computed, folder: str | os.PathLike[str] | None = None) -> None:
     """Raise what the command line turns into exit codes 3, 4 and 130.
 
-    Raises
-    ------
-    RunIncomplete, ResourceError, KeyboardInterrupt
-        A path stopped, or the estimate is above the target error; memory was used up; the run, or what follows its
-        results, was interrupted.
+    Raises RunIncomplete, ResourceError, KeyboardInterrupt: a path stopped, or the estimate is above the target error;
+    memory was used up; the run, or what follows its results, was interrupted.
     """
     record = result.record
     if record.stopped_by is StopReason.OUT_OF_MEMORY:

@@ -67,10 +67,7 @@ class _Part:
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """Return the part of plain data; keys of other versions are left out, missing ones have their default.
 
-        Raises
-        ------
-        ValueError, TypeError, AttributeError
-            The data are not those of such a part.
+        Raises ValueError, TypeError, AttributeError: the data are not those of such a part.
         """
         if not isinstance(data, Mapping):
             raise TypeError(f"{cls.__name__} is made of an object, not of {type(data).__name__}")

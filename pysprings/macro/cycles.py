@@ -228,10 +228,7 @@ class Cycles:
 def compare_cycles(source: Springs | xr.DataTree, springs_kind: str | None = None) -> Cycles:
     """Return errors and branches of all sequences of a set of springs.
 
-    Raises
-    ------
-    UserInputError
-        No path turns back or bends, or the springs do not give the spring set.
+    Raises UserInputError: no path turns back or bends, or the springs do not give the spring set.
     """
     springs = Springs.of(source)
     sets = SETS if springs_kind is None else (springs_kind,)

@@ -184,17 +184,13 @@ class MacroModel:
 
         Parameters
         ----------
-        control
-            "displacement" (u with the load at height arm), "rotation" (rotation with the load at height arm),
+        control : "displacement" (u with the load at height arm), "rotation" (rotation with the load at height arm),
             "load" (H, M) or "state" (u and rotation imposed).
-        targets
-            (n, 2): (u, -), (rotation, -), (H, M) or (u, rotation); the - columns are not read.
-        arm
-            Height of the load above mudline [m].
-        start
-            State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the fan).
-        V
-            Vertical load [N], one a target: springs with memory follow it, where they have rays on which it changes.
+        targets : (n, 2): (u, -), (rotation, -), (H, M) or (u, rotation); the - columns are not read.
+        arm : Height of the load above mudline [m].
+        start : State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the
+            fan).
+        V : Vertical load [N], one a target: springs with memory follow it, where they have rays on which it changes.
         """
         return self.response.solve(control, targets, arm, start, V)
 
@@ -257,10 +253,7 @@ def missing_companions(springs: Typed, path: str | None = None) -> list[str]:
 def choose_set(springs: Typed, name: str | None, path: str | None) -> SpringSet:
     """Return the spring set of a name (None: a fan, else the full set, else p-y alone).
 
-    Raises
-    ------
-    UserInputError
-        The name is unknown, or the springs cannot give the set.
+    Raises UserInputError: the name is unknown, or the springs cannot give the set.
     """
     lost = missing_companions(springs, path)
     if name is None:

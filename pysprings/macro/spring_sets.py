@@ -39,29 +39,19 @@ class SpringSet:
 
     Attributes
     ----------
-    name
-        Word of `--springs`.
-    label, description
-        Title in pictures and tables; clause for help texts.
-    build
-        (springs at one rate and vertical load, path or None) -> `Response`; raises UserInputError for springs that
+    name : Word of `--springs`.
+    label, description : Title in pictures and tables; clause for help texts.
+    build : (springs at one rate and vertical load, path or None) -> `Response`; raises UserInputError for springs that
         cannot give the set.
-    ready
-        Whether springs can give the set.
-    reproduces
-        (springs, path of the full model): whether the set meets the recorded states of the path by construction.
-    companions
-        The set needs distributed moments, tip and lid terms.
-    curves
-        Independent curves of a table can give the set.
-    several
-        Sentence for a set that is made from several calibration paths together; blank for a set of one path.
-    remark
-        Sentence that goes with every answer.
-    with_stored
-        Returns springs with what the set keeps in their file, made where it is missing.
-    in_space
-        Springs -> what answers loads from all sides; None for a set that holds in one plane only.
+    ready : Whether springs can give the set.
+    reproduces : (springs, path of the full model): whether the set meets the recorded states of the path by
+        construction.
+    companions : The set needs distributed moments, tip and lid terms.
+    curves : Independent curves of a table can give the set.
+    several : Sentence for a set that is made from several calibration paths together; blank for a set of one path.
+    remark : Sentence that goes with every answer.
+    with_stored : Returns springs with what the set keeps in their file, made where it is missing.
+    in_space : Springs -> what answers loads from all sides; None for a set that holds in one plane only.
     """
 
     name: str

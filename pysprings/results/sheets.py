@@ -23,17 +23,11 @@ def write_sheet(
 
     Parameters
     ----------
-    heads
-        Headings with units.
-    rows
-        Values of each row (texts, numbers; None and NaN are blank), and whether the row is marked.
-    about
-        Lines of a second sheet, by name; no sheet where there are none.
+    heads : Headings with units.
+    rows : Values of each row (texts, numbers; None and NaN are blank), and whether the row is marked.
+    about : Lines of a second sheet, by name; no sheet where there are none.
 
-    Raises
-    ------
-    UserInputError
-        More rows than a sheet holds.
+    Raises UserInputError: more rows than a sheet holds.
     """
     import xlsxwriter
 

@@ -75,10 +75,7 @@ def applied(data: dict[str, Any], changes: Sequence[Change]) -> list[tuple[str |
 def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
     """Return the keys of a change at a place of the data: entries of lists by their names, or numbers from 1.
 
-    Raises
-    ------
-    UserInputError
-        Entries with one name, or a name with a dot.
+    Raises UserInputError: entries with one name, or a name with a dot.
     """
     keys = list[str]()
     for part in place:

@@ -142,10 +142,7 @@ def key_of(name: str) -> str | None:
 def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[str, Any]]:
     """Return the layers of a table as the scene file would hold them; ``soil`` are the values of [soil].
 
-    Raises
-    ------
-    UserInputError
-        One problem per thing that is wrong with the table: file, line, column and value.
+    Raises UserInputError: one problem per thing that is wrong with the table: file, line, column and value.
     """
     soil = soil or {}
     _refuse_others(file)

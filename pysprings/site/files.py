@@ -95,10 +95,7 @@ class Site:
 def read_site(files: Sequence[Path]) -> Site:
     """Return what the files hold: cone penetration tests, points by depth, one table of layers.
 
-    Raises
-    ------
-    UserInputError
-        A file of no such kind, or one with faults: file, line, what is wrong.
+    Raises UserInputError: a file of no such kind, or one with faults: file, line, what is wrong.
     """
     site = Site()
     for path in files:

@@ -57,10 +57,8 @@ _GEF = {"depth": (11, 1), "qc": (2,), "qt": (13,), "fs": (3,), "Rf": (4,), "u2":
 def read_gef(path: Path, text: str) -> list[Sounding]:
     """Return the test of a GEF file, of any version.
 
-    Raises
-    ------
-    UserInputError
-        A file of another kind, without the columns of depth and cone resistance, or rows that are no numbers.
+    Raises UserInputError: a file of another kind, without the columns of depth and cone resistance, or rows that are no
+    numbers.
     """
     lines = text.splitlines()
     end = next((k for k, line in enumerate(lines) if line.upper().startswith("#EOH")), None)
@@ -158,10 +156,7 @@ Groups = dict[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]
 def read_ags(path: Path, text: str) -> Groups:
     """Return the groups of an AGS 4 file: headings, units, rows with their lines.
 
-    Raises
-    ------
-    UserInputError
-        AGS 3, or a file without tests, laboratory tests and layers that are read.
+    Raises UserInputError: AGS 3, or a file without tests, laboratory tests and layers that are read.
     """
     if text.lstrip().startswith('"**'):
         raise refused(path, "is an AGS 3 file: save it as AGS 4, or its group STCN as CSV")
@@ -180,10 +175,7 @@ def read_ags(path: Path, text: str) -> Groups:
 def ags_points(path: Path, groups: Groups) -> tuple[Array, dict[str, Array]]:
     """Return depths (n,) below mudline [m] and values (n,) by key in SI of laboratory tests: triaxial tests, densities.
 
-    Raises
-    ------
-    UserInputError
-        Units that are not known, cells that are no numbers.
+    Raises UserInputError: units that are not known, cells that are no numbers.
     """
     depths, found = [], []
     for group, name, key, factors, less in _AGS_VALUES:
@@ -222,10 +214,7 @@ def ags_layers(path: Path, groups: Groups) -> list[tuple[int, float, float, str]
 def ags_soundings(path: Path, groups: Groups) -> list[Sounding]:
     """Return the cone penetration tests (groups SCPG, SCPT), one a location: its pushes are joined.
 
-    Raises
-    ------
-    UserInputError
-        Headings without depth and cone resistance, wrong units, cells that are no numbers.
+    Raises UserInputError: headings without depth and cone resistance, wrong units, cells that are no numbers.
     """
     if "SCPT" not in groups:
         return []
@@ -303,10 +292,7 @@ _BRO_VOID = -999999.0
 def read_bro(path: Path, raw: bytes) -> list[Sounding]:
     """Return the tests of an XML file of the Dutch registry of the subsurface (BRO); its stresses are in MPa.
 
-    Raises
-    ------
-    UserInputError
-        No XML, or no cone penetration test in it.
+    Raises UserInputError: no XML, or no cone penetration test in it.
     """
     try:
         root = ElementTree.fromstring(raw)

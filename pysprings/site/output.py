@@ -160,10 +160,7 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
 def write_table(rows: Sequence[Sequence[Any]], path: Path) -> None:
     """Write rows of cells as CSV or, by the ending, as an Excel workbook.
 
-    Raises
-    ------
-    UserInputError
-        Another ending.
+    Raises UserInputError: another ending.
     """
     from pysprings.core.files.storage import replacing, write_text
 

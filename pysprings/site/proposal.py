@@ -113,10 +113,8 @@ class Options:
 def propose(site: Site, options: Options) -> Proposal:
     """Return layers and values for what the files hold.
 
-    Raises
-    ------
-    UserInputError
-        Several tests and none chosen; no layers where the test has no sleeve friction; nothing that gives a value.
+    Raises UserInputError: several tests and none chosen; no layers where the test has no sleeve friction; nothing that
+    gives a value.
     """
     chosen, site = _chosen(site.soundings, options), site.down_to(options.depth)
     if chosen is not None:

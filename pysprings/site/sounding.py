@@ -65,10 +65,7 @@ def sounding(
     Depths that fall from row to row are elevations below mudline, as older files have them. Rows without depth or cone
     resistance, and those above the pre-drilled depth ``drilled`` (m), are left out with a note.
 
-    Raises
-    ------
-    UserInputError
-        Fewer than three rows are left.
+    Raises UserInputError: fewer than three rows are left.
     """
     length = len(given["depth"])
     channel = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}

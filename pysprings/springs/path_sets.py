@@ -69,10 +69,7 @@ def at_rate(
 
     They are those of the set at that rate (None), or between the two sets around it.
 
-    Raises
-    ------
-    UserInputError
-        The rate is outside the range of the sets, or the two sets around it have no path in common.
+    Raises UserInputError: the rate is outside the range of the sets, or the two sets around it have no path in common.
     """
     for each in sets:
         if is_rate(rate, each.rate):

@@ -69,12 +69,9 @@ def answer_cases(
 
     Parameters
     ----------
-    tilt
-        Largest rotation that is tolerated [rad], of cases that have none of their own.
-    extrapolate
-        Answer beyond the calibrated range, marked.
-    choice
-        Spring set and path (`pysprings.macro.predict.SpringChoice`).
+    tilt : Largest rotation that is tolerated [rad], of cases that have none of their own.
+    extrapolate : Answer beyond the calibrated range, marked.
+    choice : Spring set and path (`pysprings.macro.predict.SpringChoice`).
     """
     loads = InPlane(cases.H, cases.M, cases.across, cases.direction)
     answers = answer_from_all_sides(springs, loads, cases.torsion, cases.V, extrapolate, **choice)

@@ -37,10 +37,7 @@ def new_folder(folder: Path) -> Iterator[None]:
 def exclusive(folder: Path) -> Iterator[None]:
     """Hold the lock of an existing folder; the thread that holds it may take it again.
 
-    Raises
-    ------
-    ResourceError
-        Another run holds it, or the folder cannot be written to.
+    Raises ResourceError: another run holds it, or the folder cannot be written to.
     """
     mine = folder.resolve(), threading.get_ident()
     if mine in _held:

@@ -80,10 +80,7 @@ def write_text(text: str, path: str | os.PathLike[str]) -> Path:
 def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     """Write a DataTree as compressed NetCDF-4 with a checksum, atomically; return its path.
 
-    Raises
-    ------
-    ResourceError
-        The file cannot be written; the disk may be full.
+    Raises ResourceError: the file cannot be written; the disk may be full.
     """
     groups = {node.path: _storable(node.to_dataset(inherit=False)) for node in tree.subtree}
     clean = xr.DataTree.from_dict(groups)
@@ -100,10 +97,7 @@ def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
 def write_attribute(name: str, text: str, path: str | os.PathLike[str]) -> None:
     """Write an attribute of the root of a NetCDF file that `write_tree` has written, atomically; the arrays stay.
 
-    Raises
-    ------
-    ResourceError
-        The file cannot be written; the disk may be full.
+    Raises ResourceError: the file cannot be written; the disk may be full.
     """
     import netCDF4
 
@@ -166,10 +160,8 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
 
     A file without a checksum (written by another program) is read with a warning.
 
-    Raises
-    ------
-    UserInputError
-        No such file, a folder, another format, a broken file, or one that has changed since it was written.
+    Raises UserInputError: no such file, a folder, another format, a broken file, or one that has changed since it was
+    written.
     """
     _refuse_foreign(Path(path))
     try:
@@ -229,12 +221,8 @@ _SPARE = 10e6  # bytes that a small file may have beyond that: fill values of sh
 def judge_header(path: str | os.PathLike[str]) -> None:
     """Refuse a file whose groups, variables or attributes are too many, or whose arrays are too large.
 
-    Raises
-    ------
-    UserInputError
-        The numbers, or sizes beyond what a file of this size can hold, or beyond a spring set's.
-    ResourceError
-        The content needs more memory than is free.
+    Raises UserInputError: the numbers, or sizes beyond what a file of this size can hold, or beyond a spring set's.
+    Raises ResourceError: the content needs more memory than is free.
     """
     import netCDF4
     import psutil

@@ -22,10 +22,8 @@ _ENTRY = re.compile(r"[a-z][a-z0-9_-]*/[^/\\\x00]+")
 def own_folder(folder: Path, name: str) -> Path:
     """Return the folder of a name inside a result folder, which need not exist.
 
-    Raises
-    ------
-    UserInputError
-        A link is in its place, or a file: what is written or removed behind a link is outside the result folder.
+    Raises UserInputError: a link is in its place, or a file: what is written or removed behind a link is outside the
+    result folder.
     """
     place = folder / name
     if place.is_symlink() or (place.exists() and place.resolve().parent != folder.resolve()):

@@ -53,10 +53,7 @@ def is_table(path: str | os.PathLike[str]) -> bool:
 def sheets_of(path: Path) -> list[Sheet]:
     """Return the sheets of a table file; a CSV file as it reads with each separator that its first lines hold.
 
-    Raises
-    ------
-    UserInputError
-        No file, no table, or one beyond the limits of size.
+    Raises UserInputError: no file, no table, or one beyond the limits of size.
     """
     try:
         if path.is_dir():

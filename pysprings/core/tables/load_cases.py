@@ -149,10 +149,7 @@ def _bound_words(across: float, torsion: float, added: float) -> str:
 def read_load_cases(path: str | os.PathLike[str]) -> LoadCases:
     """Read load cases from a CSV file or an Excel workbook with one sheet of them.
 
-    Raises
-    ------
-    UserInputError
-        Every fault of the table, each with file, line and column.
+    Raises UserInputError: every fault of the table, each with file, line and column.
     """
     table = one_table(Path(path), COLUMNS, "load cases")
     if not table.head:

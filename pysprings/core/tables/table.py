@@ -109,10 +109,7 @@ def one_table(
 
     ``lenient``: unknown columns are left out with a note.  ``sheets`` : those of the file, where they are read already.
 
-    Raises
-    ------
-    UserInputError
-        No file, no table, more than one sheet that has one, merged or hidden cells.
+    Raises UserInputError: no file, no table, more than one sheet that has one, merged or hidden cells.
     """
     return _one(path, Headings(columns, assume, lenient), what, sheets)
 

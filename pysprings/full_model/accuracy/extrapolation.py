@@ -98,10 +98,7 @@ def _axes(path: xr.Dataset, name: str) -> tuple[str, ...]:
 def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     """Return reactions and free motions of a path of another mesh at the converged steps and the slices of the finer.
 
-    Raises
-    ------
-    NotAlike
-        The path did not come as far there, or has no equal motion.
+    Raises NotAlike: the path did not come as far there, or has no equal motion.
     """
     if path is None:
         raise NotAlike("it did not start on the coarser mesh")
@@ -140,10 +137,7 @@ def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -
 def _way(path: xr.Dataset, length: float) -> Array:
     """Return how far a path has come at each step [m], growing; rests of a timed path count by their time.
 
-    Raises
-    ------
-    NotAlike
-        States share a place: a load changes while nothing moves.
+    Raises NotAlike: states share a place: a load changes while nothing moves.
     """
     rules = PATH_KINDS[str(path.attrs["kind"])]
     sizes = {"u": 1.0, "w": 1.0, "rotation": length}

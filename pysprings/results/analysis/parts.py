@@ -35,10 +35,8 @@ def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
 
     Parameters
     ----------
-    tree
-        Result (``full_model.nc``) or spring set (``springs.nc``).
-    name
-        Name of the path.
+    tree : Result (``full_model.nc``) or spring set (``springs.nc``).
+    name : Name of the path.
 
     Returns
     -------

@@ -57,19 +57,12 @@ def export(data: xr.DataTree | Source, name: str, target: PathLike | Target, **o
 
     Parameters
     ----------
-    data
-        Springs or a full model, as the exporter needs; or a source of both.
-    name
-        Name of the exporter.
-    target
-        File for exporters of one file, else folder, which need not exist.
-    options
-        Options of the exporter.
+    data : Springs or a full model, as the exporter needs; or a source of both.
+    name : Name of the exporter.
+    target : File for exporters of one file, else folder, which need not exist.
+    options : Options of the exporter.
 
-    Raises
-    ------
-    UserInputError
-        Unknown exporter or options, or data that it cannot use.
+    Raises UserInputError: unknown exporter or options, or data that it cannot use.
     """
     exporter = EXPORTERS.find(name, "--to")
     place = target if isinstance(target, Target) else Target(Path(target))

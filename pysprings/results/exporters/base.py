@@ -106,16 +106,11 @@ class Option:
 
     Attributes
     ----------
-    name, help
-        Word of the option; what it does, for help texts.
-    default
-        Value when the option is absent; its type is that of the option.
-    unit
-        SI unit of a quantity, which users give with a unit ("4 MN"); blank for plain values.
-    example
-        Quantity for messages.
-    choices
-        Words that the option accepts; empty for any value.
+    name, help : Word of the option; what it does, for help texts.
+    default : Value when the option is absent; its type is that of the option.
+    unit : SI unit of a quantity, which users give with a unit ("4 MN"); blank for plain values.
+    example : Quantity for messages.
+    choices : Words that the option accepts; empty for any value.
     """
 
     name: str
@@ -163,24 +158,15 @@ class Exporter:
 
     Attributes
     ----------
-    name
-        Word of `--to` and `--format`.
-    description
-        What the files are, in one clause.
-    write
-        (source, target, options) -> `Exported`. Files replace earlier ones only when they are whole.
-    needs
-        Data that the exporter reads.
-    suffixes
-        Endings of its files, with the dot.
-    file
-        Name of the only file within a folder; blank for several files.
-    text
-        (source, options) -> content of the file, for formats that can be printed.
-    of_every_run
-        Each run writes the file.
-    options
-        Options of this exporter.
+    name : Word of `--to` and `--format`.
+    description : What the files are, in one clause.
+    write : (source, target, options) -> `Exported`. Files replace earlier ones only when they are whole.
+    needs : Data that the exporter reads.
+    suffixes : Endings of its files, with the dot.
+    file : Name of the only file within a folder; blank for several files.
+    text : (source, options) -> content of the file, for formats that can be printed.
+    of_every_run : Each run writes the file.
+    options : Options of this exporter.
     """
 
     name: str
@@ -213,10 +199,7 @@ def write_text_file(text: Callable[[Source, Options], str]) -> Callable[[Source,
 def read_options(exporter: Exporter, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return every option of an exporter: given values (text is converted), else defaults.
 
-    Raises
-    ------
-    UserInputError
-        Unknown options, values of another type, unit or choice; all are listed.
+    Raises UserInputError: unknown options, values of another type, unit or choice; all are listed.
     """
     known = {option.name: option for option in exporter.options}
     problems, values = [], {option.name: option.default for option in exporter.options}

@@ -22,10 +22,8 @@ from pysprings.springs.sums import balance
 def springs_at(source: Source, options: Options) -> tuple[Springs, float | None]:
     """Return the springs at the rate of the options, and the vertical load [N] (None: that at rest).
 
-    Raises
-    ------
-    UserInputError
-        A vertical load beyond those of the lateral paths, whose springs would be those of another load.
+    Raises UserInputError: a vertical load beyond those of the lateral paths, whose springs would be those of another
+    load.
     """
     springs = Springs.of(source.springs)
     springs = springs if options["rate"] is None else springs.at_rate(float(options["rate"]))

@@ -45,10 +45,7 @@ def at_lid(springs: Springs) -> Array:
 
     Axes are those of `stiffness_six`; so is torsion.
 
-    Raises
-    ------
-    UserInputError
-        Springs from a table without vertical stiffness.
+    Raises UserInputError: springs from a table without vertical stiffness.
     """
     matrix: Array = stiffness_six(springs, symmetric=True).values + 0.0
     return matrix
@@ -66,12 +63,8 @@ class Linear:
 def linear(springs: Springs, options: Options) -> Linear:
     """Return the matrix of the options `at` and `matrix`, with its errors on the paths: at rest without a load.
 
-    Raises
-    ------
-    UserInputError
-        A text that is no load, or springs from a table without vertical stiffness.
-    PredictionNotConverged, BeyondSprings
-        A load that the springs do not carry.
+    Raises UserInputError: a text that is no load, or springs from a table without vertical stiffness.
+    Raises PredictionNotConverged, BeyondSprings: a load that the springs do not carry.
     """
     if not options["at"]:
         return Linear(at_lid(springs), "stiffness at rest", [AT_REST, *secants(springs), *linear_errors(springs)])

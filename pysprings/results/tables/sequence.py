@@ -52,10 +52,7 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
 
     A first row of zeros at 0 s is the state at rest, where every sequence begins; it is left out.
 
-    Raises
-    ------
-    UserInputError
-        Every fault, with file and line.
+    Raises UserInputError: every fault, with file and line.
     """
     table = one_table(Path(path), COLUMNS, "a sequence")
     _check_columns(table)

@@ -88,10 +88,7 @@ class Cyclic:
     def _counted(self) -> tuple[float, float]:
         """N, and the cycles of parcels that do not count.
 
-        Raises
-        ------
-        ValueError
-            Parcels that leave the contours, that do not reach them, or without the largest load.
+        Raises ValueError: parcels that leave the contours, that do not reach them, or without the largest load.
         """
         if self.parcels is None or self.utilisation is None:
             return float(self.cycles or 0.0), 0.0
@@ -278,10 +275,7 @@ def _rows(name: str, value: Any) -> Rows:
 def read_rows(file: Path, kind: str) -> list[list[float]]:
     """Return the rows of a table of contours, or of parcels; averages that it does not have are 0.
 
-    Raises
-    ------
-    UserInputError
-        One problem per thing that is wrong with the table: file, line, column and value.
+    Raises UserInputError: one problem per thing that is wrong with the table: file, line, column and value.
     """
     columns, intervals = _TABLES[kind]
     table = one_table(file, columns, kind)

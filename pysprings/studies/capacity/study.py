@@ -67,10 +67,7 @@ def study(
     run made again. formats : those of the picture, "png" and "svg"; none: no picture. jobs : worker processes (None:
     the cores of the machine).
 
-    Raises
-    ------
-    RunIncomplete
-        No direction has a load; nothing but the runs is written.
+    Raises RunIncomplete: no direction has a load; nothing but the runs is written.
     """
     groups = list(plan.groups(scene, request))
     every = points.planned(groups, request)

@@ -62,10 +62,7 @@ def read_tests(file: Path, kind: ElementTest, stress: float | None) -> list[LabT
 
     ``stress`` (Pa) is that of a table without a column of it. Compression is positive.
 
-    Raises
-    ------
-    UserInputError
-        One problem per thing that is wrong with the table.
+    Raises UserInputError: one problem per thing that is wrong with the table.
     """
     strain, measured = MEASURED[kind]
     table = one_table(file, COLUMNS, "a laboratory test")

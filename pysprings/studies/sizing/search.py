@@ -262,10 +262,7 @@ def least_confirmed(search: Search) -> tuple[Candidate, pd.DataFrame]:
     Where the full model turns further than tolerated, the predictions are multiplied by what was missed, and the
     search goes on.
 
-    Raises
-    ------
-    RunIncomplete
-        After `ROUNDS` full models the tolerance is still exceeded, or a load is not reached.
+    Raises RunIncomplete: after `ROUNDS` full models the tolerance is still exceeded, or a load is not reached.
     """
     for _ in range(ROUNDS):
         best = search.least()

@@ -123,10 +123,7 @@ class Plan:
     def hashes(self) -> list[str]:
         """Return the folder name of every case: the first letters of the number of its scene.
 
-        Raises
-        ------
-        UserInputError
-            The values of a case make no scene; every problem once, at its axis or its row.
+        Raises UserInputError: the values of a case make no scene; every problem once, at its axis or its row.
         """
         names, problems = [], dict[tuple[Any, ...], Problem]()
         for case in self.cases:

@@ -102,12 +102,8 @@ def sweep(
 
     ``again``: rows of cases.csv that another study file made are replaced. ``say`` gets sentences for the user.
 
-    Raises
-    ------
-    UserInputError
-        Values that make no scene; a folder with another study.
-    ResourceError
-        The scheduler went away; no disk or memory. What has ended stays.
+    Raises UserInputError: values that make no scene; a folder with another study.
+    Raises ResourceError: the scheduler went away; no disk or memory. What has ended stays.
     """
     with new_folder(out), exclusive(out):
         remove_leftovers(out, own_folder(out, FOLDER))

@@ -90,10 +90,7 @@ _EXPECTED: dict[Any, str] = {
 def read_study(path: Path) -> Plan:
     """Read a study file, its base scene, and its table of cases if any.
 
-    Raises
-    ------
-    UserInputError
-        One problem per thing that is wrong with the study; those of its base scene come first.
+    Raises UserInputError: one problem per thing that is wrong with the study; those of its base scene come first.
     """
     reader = _Reader(path)
     if not reader.study.scene:

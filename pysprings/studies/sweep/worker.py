@@ -56,10 +56,7 @@ def cores() -> int:
 def client_of(place: Place) -> Iterator[Any]:
     """Give a client of the workers.
 
-    Raises
-    ------
-    ResourceError
-        No scheduler answers there.
+    Raises ResourceError: no scheduler answers there.
     """
     import dask
 

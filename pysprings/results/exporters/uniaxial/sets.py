@@ -142,10 +142,7 @@ def uniaxial(
     number of vertical planes in which springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others,
     which are exact along both.
 
-    Raises
-    ------
-    UserInputError
-        The springs do not give the set, or there are none of a full model.
+    Raises UserInputError: the springs do not give the set, or there are none of a full model.
     """
     chosen = kind or (VIRTUAL if has_fan(springs) else "full")
     planes = planes or (PLANES if chosen == VIRTUAL else 2)
