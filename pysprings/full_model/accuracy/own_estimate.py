@@ -307,9 +307,9 @@ def _extrapolated(
     tree.attrs["remarks"] = "; ".join(record.remarks)
     for name in names:
         record.paths[name] = record.paths[name].ending_at(paths[name].dataset)
-    how: dict[str, Any] = {"order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike}
+    how: dict[str, Any] = {
+        "order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike, "left": two_mesh.left_in(scene),
+    }  # fmt: skip
     if corrected:
         how["harmonics_added"] = corrected
-    if two_mesh.short_skirt(scene):
-        how["short_skirt"] = True
     return replace(result, tree=tree), how

@@ -48,12 +48,16 @@ SAFETY = {BRICKS: 3.0, FOURIER: 2.0}
 # Of bricks, those of load and p(y) in the study of data/evidence/accuracy.csv. Of a series, two is that of stresses in
 # quadratic elements, three that of their stiffness beside the tip's corners.
 ORDERS = {BRICKS: {LOAD: 1.715, PY: 1.988}, FOURIER: {LOAD: 1.711, PY: 2.0, STIFFNESS: 3.0}}
-# Shares of the difference of both meshes that extrapolation may leave: half of what orders of 1.4 and 3 differ by, for
-# load and rotation; p(y) near the tip has none that it keeps. See benchmarks/error_estimates.py.
-UNSURE = {LOAD: 0.35, OTHER: 0.4, PY: 0.5}
-# Times as much is left of load and p(y) in clay where the skirt is shorter than this share of D: four scenes of
-# `benchmarks.error_estimates --clay` had 0.4 to 2 (load) and 1.4 to 2.5 times (p-y) what was estimated.
-SHORT, SHORT_TIMES = 0.5, 2.5
+# Shares of the difference of both meshes that extrapolation may leave. Of load and rotation in sand half of what orders
+# of 1.4 and 3 differ by; p(y) near the tip has no order that it keeps. In clay those that ten scenes of
+# `benchmarks.error_estimates --clay` asked for: a p(z) whose tip's edge effect covers a skirt shorter than SHORT D is
+# hardly better than that of one mesh.
+SHORT = 0.5
+UNSURE = {
+    "sand": {LOAD: 0.35, OTHER: 0.4, PY: 0.5},
+    "clay": {LOAD: 0.35, OTHER: 0.4, PY: 0.68},
+    "short skirt in clay": {LOAD: 0.875, OTHER: 0.4, PY: 1.4},
+}
 # Share of the difference of N and N + 2 harmonics that adding it leaves; N 3, clay with a gap, 10 % of D: 0.3 of loads.
 LEFT = 0.5
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
@@ -121,10 +125,11 @@ def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
     return found
 
 
-def short_skirt(scene: Scene) -> bool:
-    """Return whether the skirt of a caisson in clay is so short that SHORT_TIMES holds."""
-    caisson = scene.caisson
-    return scene.ground.total_stress and caisson.skirt_length < SHORT * caisson.outer_diameter
+def left_in(scene: Scene) -> dict[str, float]:
+    """Return the share of the difference of both meshes that extrapolation may leave, by measure."""
+    short = scene.caisson.skirt_length < SHORT * scene.caisson.outer_diameter
+    where = ("short skirt in clay" if short else "clay") if scene.ground.total_stress else "sand"
+    return {name: UNSURE[where][quantity] for name, quantity in ESTIMATED.items() if quantity in UNSURE[where]}
 
 
 def estimate(
@@ -138,7 +143,7 @@ def estimate(
 
     ``richer`` is the coarser mesh with more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of
     unknowns. ``extrapolated`` has the paths whose reactions are (`extrapolation`), and those that have the difference
-    of the harmonics: what is left of their errors are the shares UNSURE and LEFT of the differences.
+    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
     fewer = _size(coarse) / _size(fine)
@@ -159,12 +164,12 @@ def estimate(
     better: Sequence[str] = ()
     left_of: dict[str, float] = {}
     if extrapolated is not None:
-        better, left_of = extrapolated["paths"], _left_of(extrapolated)
-        result |= {"extrapolated": {**extrapolated, "left": left_of}}
+        better, left_of = extrapolated["paths"], extrapolated["left"]
+        result |= {"extrapolated": dict(extrapolated)}
     estimates: ByPath = {name: {} for name in own}
     for name, quantity in ESTIMATED.items():
         order = ORDERS[kind].get(quantity, USUAL_ORDER)
-        result["order"][name] = extrapolated["order"] if extrapolated and better and quantity in UNSURE else order
+        result["order"][name] = extrapolated["order"] if extrapolated and better and name in left_of else order
         if quantity == STIFFNESS and not starts_elastic(fine):
             continue
         whole = SAFETY[kind] / (ratio**order - 1.0)
@@ -183,16 +188,6 @@ def estimate(
         if any(name in each for each in estimates.values()):
             result["estimate_pct"][name] = max(each[name] for each in estimates.values() if name in each)
     return result | _by_path(estimates) if result["estimate_pct"] else missing(_NOT_FINITE)
-
-
-def _left_of(extrapolated: Mapping[str, Any]) -> dict[str, float]:
-    """Return the share of the difference of both meshes that extrapolation leaves, by measure."""
-    times = SHORT_TIMES if extrapolated.get("short_skirt") else 1.0
-    return {
-        name: UNSURE[quantity] * (times if quantity in (LOAD, PY) else 1.0)
-        for name, quantity in ESTIMATED.items()
-        if quantity in UNSURE
-    }
 
 
 def _of_harmonics(name: str, own: ByPath, beyond: ByPath, extrapolated: Mapping[str, Any]) -> dict[str, float]:

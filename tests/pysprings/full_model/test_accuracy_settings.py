@@ -135,24 +135,22 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
     assert found["estimate_pct"]["load_max"] == pytest.approx(two_mesh.SAFETY["hex8"] * true, rel=1e-6)
     assert found["cell_ratio"] == pytest.approx(3.0 ** (1 / 3), abs=1e-4)
     assert "two meshes, 3,000 and 9,000 unknowns" in two_mesh.words(found)
-    left = two_mesh.estimate(fine, coarse, extrapolated={"paths": ["pull"], "order": order})
+    how = {"paths": ["pull"], "order": order, "left": {"load_max": 0.35, "rotation_max": 0.4}}
+    left = two_mesh.estimate(fine, coarse, extrapolated=how)
     ratio = left["by_path"]["pull"]["load_pct"] / found["by_path"]["pull"]["load_pct"]
-    assert ratio == pytest.approx(two_mesh.UNSURE["load"] * (found["cell_ratio"] ** order - 1.0) / 3.0, rel=1e-3)
+    assert ratio == pytest.approx(0.35 * (found["cell_ratio"] ** order - 1.0) / 3.0, rel=1e-3)
     assert left["by_path"]["shift"] == found["by_path"]["shift"]
-    given = {"paths": ["pull"], "order": order, "short_skirt": True}
-    short = two_mesh.estimate(fine, coarse, extrapolated=given)["by_path"]["pull"]
-    assert two_mesh.estimate(fine, coarse, extrapolated=given)["extrapolated"]["left"]["load_max"] == 2.5 * 0.35
-    assert short["load_pct"] == pytest.approx(two_mesh.SHORT_TIMES * left["by_path"]["pull"]["load_pct"])
     of_pull = left["by_path"]["pull"]  # both meshes have one rotation
     assert of_pull["rotation_pct"] == of_pull["load_pct"] and found["by_path"]["pull"]["rotation_pct"] == 0.0
 
 
-@pytest.mark.parametrize(("length", "short"), [(3.9, True), (4.0, False), (6.0, False)])
-def test_skirts_below_half_a_diameter_are_short_in_clay_alone(length: float, short: bool) -> None:
+@pytest.mark.parametrize(("length", "load", "py"), [(3.9, 0.875, 1.4), (4.0, 0.35, 0.68), (6.0, 0.35, 0.68)])
+def test_clay_and_its_short_skirts_leave_more_of_the_difference(length: float, load: float, py: float) -> None:
+    """The shares that the scenes of data/evidence/error-estimates-clay.csv ask for."""
     clay = tiny.parsed(template_text("soft-clay")).replace(caisson={"outer_diameter": 8.0, "skirt_length": length})
-    assert two_mesh.short_skirt(clay) == short
-    sand = tiny.sand()
-    assert sand.caisson.skirt_length > 0.0 and not two_mesh.short_skirt(sand.replace(caisson={"skirt_length": 1.0}))
+    assert two_mesh.left_in(clay) == {"load_max": load, "rotation_max": 0.4, "py_rms": py}
+    short = tiny.sand().replace(caisson={"skirt_length": 1.0})
+    assert two_mesh.left_in(short) == {"load_max": 0.35, "rotation_max": 0.4, "py_rms": 0.5}
 
 
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
@@ -172,7 +170,7 @@ def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
     expected = two_mesh.SAFETY["fourier"] * section + series
     assert found["estimate_pct"]["load_max"] == pytest.approx(expected, rel=1e-6)
     assert "3 and 5 harmonics" in two_mesh.words(found)
-    added = {"paths": [], "order": order, "harmonics_added": ["pull"]}
+    added = {"paths": [], "order": order, "left": {}, "harmonics_added": ["pull"]}
     half = two_mesh.estimate(fine, coarse, richer, extrapolated=added)["by_path"]
     saved = found["by_path"]["pull"]["load_pct"] - half["pull"]["load_pct"]
     assert saved == pytest.approx((1.0 - two_mesh.LEFT) * series, rel=1e-6)
