@@ -308,8 +308,12 @@ def _extrapolated(
     for name in names:
         record.paths[name] = record.paths[name].ending_at(paths[name].dataset)
     how: dict[str, Any] = {
-        "order": order, "share": round(share, 4), "paths": names, "one_mesh": not_alike, "left": two_mesh.left_in(scene),
-    }  # fmt: skip
+        "order": order,
+        "share": round(share, 4),
+        "paths": names,
+        "one_mesh": not_alike,
+        "left": two_mesh.left_in(scene),
+    }
     if corrected:
         how["harmonics_added"] = corrected
     return replace(result, tree=tree), how
