@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -45,6 +46,22 @@ def design(
         bool, typer.Option("--extrapolate", help="answer beyond the calibrated range, marked")
     ] = False,
     strict: Annotated[bool, typer.Option("--strict", help="refuse cases that are not ok (exit code 2)")] = False,
+    group: Annotated[
+        Path | None,
+        typer.Option(
+            "--group",
+            metavar="FILE",
+            help="positions of caissons under one rigid frame (bucket, x, y); CASES load the frame at their origin",
+        ),
+    ] = None,
+    joint: Annotated[
+        str | None,
+        typer.Option(
+            "--joint",
+            metavar="STIFFNESS",
+            help='rotational stiffness of each joint, e.g. "2 GN m/rad"; rigid by default',
+        ),
+    ] = None,
     spring_set: SpringSet = None,
     path: Annotated[
         str | None, typer.Option("--path", metavar="NAME", help="load path whose springs answer (full, py)")
@@ -55,7 +72,8 @@ def design(
 
     CASES has a row a load: name, limit state, H, M or arm, V, direction, factor, tilt, with units in the headings.
     Rows of one name act together. The summary of the run stands below the answers. Of a folder with several estimates
-    each case shows the largest motion and utilisation over them; files have a row a case and estimate.
+    each case shows the largest motion and utilisation over them; files have a row a case and estimate. With --group
+    each case has a row a caisson: its share of the loads, its answer, and the tilt of the frame.
     """
     from pysprings.cli.results import print_summary
     from pysprings.core.tables.load_cases import read_load_cases
@@ -63,36 +81,49 @@ def design(
     from pysprings.results.report import load_cases as text
     from pysprings.studies import design as files
     from pysprings.studies.design import answer_cases
+    from pysprings.studies.group import answer_group, read_group
 
-    tolerance = quantities({"--tilt": (tilt, "rad", "0.25 deg")})["--tilt"]
-    if tolerance is not None and tolerance <= 0.0:
-        refuse("--tilt", "a tolerance must be positive")
+    given = quantities({"--tilt": (tilt, "rad", "0.25 deg"), "--joint": (joint, "N m/rad", "2 GN m/rad")})
+    tolerance = given["--tilt"]
+    for name, value in given.items():
+        if value is not None and value <= 0.0:
+            refuse(name, f"a {'tolerance' if name == '--tilt' else 'stiffness'} must be positive")
+    if joint is not None and group is None:
+        refuse("--joint", "is the stiffness between caissons and the frame of a --group, which is missing")
     for file in out or ():
         files.check_ending(file)
     if in_report:
         files.check_run(result)
     read = read_load_cases(used := cases or cases_of(result))
-    answers, table, springs = _answers(
-        result, strict, lambda springs: answer_cases(springs, read, tolerance, extrapolate, springs_kind=spring_set,
-                                                     path=path),
-    )  # fmt: skip
+    placed = None if group is None else read_group(group, given["--joint"] or math.inf)
+    more = {"springs_kind": spring_set, "path": path}
+
+    def answer(springs: AnySprings) -> pd.DataFrame:
+        if placed is None:
+            return answer_cases(springs, read, tolerance, extrapolate, **more)
+        return answer_group(springs, read, placed, tolerance, extrapolate, **more)
+
+    answers, table, springs = _answers(result, strict, answer)
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
     about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": tilt or "as in the table"}
+    about |= {"group": table.attrs["group"]} if placed else {}
     about |= (record.summary if record else None) or {}
     for file in out or ():
         files.write(file, answers, about, springs)
     if in_report:
         files.into_report(result, table)
     if as_json:
-        more = {} if answers is table else {"estimates": answers.to_dict("records")}
-        print_json({"about": about, "cases": table.to_dict("records"), **more})
+        every = {} if answers is table else {"estimates": answers.to_dict("records")}
+        print_json({"about": about, "cases": table.to_dict("records"), **every})
     else:
         if cases is None:
             print(f"load cases: {used} as it is now ([design] cases of the run)\n")
         print_table(text.table_of(table, brief=True))
         print(f"\n{text.closing(table)}")
+        if placed:
+            print(table.attrs["group"])
         for file in out or ():
             print(f"{file}: the answers")
         if in_report:
@@ -127,4 +158,8 @@ def _answers(
     sets = folders_of(result)
     opened = {name: springs_or_table(place, None, strict) for name, place in (sets or {"": result}).items()}
     tables = {name: answer(springs) for name, springs in opened.items()}
-    return (*governing(tables), None) if sets else (tables[""], tables[""], opened[""])
+    if not sets:
+        return tables[""], tables[""], opened[""]
+    every, largest = governing(tables)
+    largest.attrs |= next(iter(tables.values())).attrs
+    return every, largest, None

@@ -6,7 +6,7 @@ import math
 # Generous by some orders of magnitude; products of a few of them stay far from overflow.
 LARGEST = {
     "m": 1e5, "rad": 1e2, "s": 1e15, "m/s": 1e5,
-    "N": 1e15, "N m": 1e18, "N/m": 1e15, "N m/m": 1e18, "Pa": 1e15,
+    "N": 1e15, "N m": 1e18, "N/m": 1e15, "N m/m": 1e18, "N m/rad": 1e21, "Pa": 1e15,
     "1": 1e9,
 }  # fmt: skip
 # A length or rotation that is not zero is at least this: what rounding leaves of zero passes, quotients stay finite.

@@ -106,8 +106,7 @@ def answer_cases(
     if cases.aside.any():
         found = answer_loads(springs, bound.loads, cases.V, extrapolate, **choice)
     frame = _with_twist(_with_bounds(frame, cases, found, space), cases, answers, space)
-    frame["verdict"] = [_verdict(row) for row in frame.to_dict("records")]
-    return frame
+    return frame.assign(verdict=verdicts(frame))
 
 
 MOTIONS = {"u_m": "u", "w_m": "w", "rotation_rad": "rotation", "tilt_used": "tilt"}
@@ -246,6 +245,11 @@ def _with_twist(frame: pd.DataFrame, cases: LoadCases, answers: xr.Dataset, spac
     words = answers.attrs["space_errors"]
     notes = [f"{text}; {words}" if text else words for text in out["remarks"]]
     return out.assign(remarks=np.where(space, notes, out["remarks"]))
+
+
+def verdicts(frame: pd.DataFrame) -> list[str]:
+    """Return the verdict on each case."""
+    return [_verdict(row) for row in frame.to_dict("records")]
 
 
 def _verdict(row: dict[Any, Any]) -> str:

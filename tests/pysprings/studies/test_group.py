@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""Load cases of a group of caissons under one frame, beside solutions that share nothing with the iteration."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pysprings import predict_batch
+from pysprings.core.errors import UserInputError
+from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.springs.checks import save_springs
+from pysprings.studies.group import Group, answer_group, read_group
+from tests.support.commands import command
+from tests.support.fans import fan_springs, linear, potential
+from tests.support.vertical import K as K_VERTICAL
+from tests.support.vertical import vertical_springs
+
+SQUARE = Group(("A", "B", "C", "D"), np.array([[8.0, 8.0], [-8.0, 8.0], [-8.0, -8.0], [8.0, -8.0]]))
+TRIANGLE = Group(("A", "B", "C"), np.array([[10.0, 0.0], [-5.0, 8.66], [-5.0, -8.66]]))
+
+
+def cases_of(folder: Path, *rows: str):
+    file = folder / "cases.csv"
+    file.write_text("name,H [kN],M [kN m],V [kN],direction [deg],T [kN m]\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    return read_load_cases(file)
+
+
+@pytest.fixture(scope="module")
+def elastic():
+    return fan_springs(linear)
+
+
+@pytest.fixture(scope="module")
+def bending():
+    return fan_springs(potential)
+
+
+def rest_load(springs) -> float:
+    return float(predict_batch(springs, H=0.0, M=0.0)["V"].values[0])
+
+
+@pytest.mark.parametrize("joint", [np.inf, 3e9])
+@pytest.mark.parametrize("direction", [0.0, 30.0])
+def test_linear_springs_give_the_stiffness_matrix_of_the_frame(elastic, tmp_path, joint, direction) -> None:
+    """(u, w, rotation) of the frame from sums of single stiffnesses, the joint in series with each rotation."""
+    V = 4.0 * rest_load(elastic)
+    cases = cases_of(tmp_path, f"a,400,1200,{1.01e-3 * V},{direction},0")
+    found = answer_group(elastic, cases, Group(SQUARE.name, SQUARE.at, joint))
+    K = elastic["stiffness_initial"].values
+    softer = np.linalg.inv(K) + np.diag([0.0, 0.0, 1.0 / joint])
+    K = np.linalg.inv(softer)
+    whole = 4.0 * K
+    whole[2, 2] += K[1, 1] * 4.0 * 8.0**2  # sum of x^2 of a square is the same in all directions
+    q = np.linalg.solve(whole, [400e3, 0.01 * V, 1200e3])
+    row = found.iloc[0]
+    w0 = float(predict_batch(elastic, H=row["H_N"], M=row["M_Nm"])["w"].values[0])  # settlement under H and M alone
+    moved = [float(row["group_u_m"]), float(row["group_w_m"]) - w0, float(row["group_rotation_rad"])]
+    assert moved == pytest.approx(q.tolist(), rel=1e-4)
+    assert found["group_roll_rad"].to_numpy() == pytest.approx(0.0, abs=1e-9)
+    assert found["tilt_deg"].to_numpy() == pytest.approx(np.degrees(q[2]), rel=1e-4)
+
+
+@pytest.mark.parametrize("direction", [0.0, 15.0, 90.0])
+def test_caissons_move_as_the_frame_and_carry_the_case(tmp_path, direction) -> None:
+    """Push and pull soften differently: each caisson, answered alone, moves as one rigid body with the others."""
+    springs = vertical_springs(heavier=(4e6,))
+    found = answer_group(springs, cases_of(tmp_path, f"storm,60,20000,6000,{direction},0"), TRIANGLE)
+    assert (found["answered"] == 1).all()
+    H, M, V = (found[name].to_numpy() for name in ("H_N", "M_Nm", "V_N"))
+    alone = predict_batch(springs, H=H, M=M, V=V)
+    softer = alone["stiffness"].values[:, 1, 1] / K_VERTICAL
+    assert softer.min() < 0.7 and np.ptp(softer) > 0.2
+    c, s = np.cos(np.radians(direction)), np.sin(np.radians(direction))
+    x, y = TRIANGLE.at @ [c, s], TRIANGLE.at @ [-s, c]
+    assert alone["u"].values == pytest.approx(found["group_u_m"].to_numpy(), rel=1e-4, abs=1e-9)
+    assert alone["rotation"].values == pytest.approx(found["group_rotation_rad"].to_numpy(), rel=1e-4)
+    plane = np.linalg.solve(np.stack([np.ones(3), x, -y], axis=1), alone["w"].values)  # through the three lids
+    moved = [found[f"group_{name}"][0] for name in ("w_m", "rotation_rad", "roll_rad")]
+    assert plane == pytest.approx(moved, rel=1e-4, abs=1e-8)
+    assert (abs(moved[2]) > 1e-6) == (direction != 0.0)  # but for its axis of symmetry it rolls
+    assert [H.sum(), V.sum(), M.sum() + x @ V, -y @ V] == pytest.approx([60e3, 6e6, 20e6, 0.0], rel=1e-5, abs=50.0)
+
+
+def test_a_torsion_is_carried_across_the_arms(elastic, tmp_path) -> None:
+    V = 4e-3 * rest_load(elastic)
+    found = answer_group(elastic, cases_of(tmp_path, f"a,400,0,{V},0,3200"), SQUARE)
+    way = np.radians(found["direction_deg"].to_numpy())
+    force = found["H_N"].to_numpy()[:, None] * np.stack([np.cos(way), np.sin(way)], axis=1)
+    assert force.sum(axis=0) == pytest.approx([400e3, 0.0], abs=1.0)
+    turning = SQUARE.at[:, 0] * force[:, 1] - SQUARE.at[:, 1] * force[:, 0]
+    assert turning.sum() == pytest.approx(3200e3, rel=1e-9)
+
+
+def test_a_case_beyond_the_springs_has_no_answer(bending, tmp_path) -> None:
+    V = 3e-3 * rest_load(bending)
+    found = answer_group(bending, cases_of(tmp_path, f"a,300,600,{V},0,0", f"b,90000,0,{V},0,0"), TRIANGLE)
+    assert found["answered"].tolist() == [1, 1, 1, 0, 0, 0]
+    beyond = found[3:]
+    assert beyond[["u_m", "group_u_m", "tilt_used", "utilisation"]].isna().all(axis=None)
+    assert beyond["marks"].str.contains("finds equilibrium up to").all() and set(beyond["verdict"]) == {"no answer"}
+
+
+def test_interaction_that_is_left_out_is_that_of_point_forces() -> None:
+    """Two discs of 8 m, 24 m apart: D/(pi s), and 2 D/(pi s (2 - nu))."""
+    down, along = Group(("A", "B"), np.array([[0.0, 0.0], [24.0, 0.0]])).interaction(8.0)
+    assert (down, along) == pytest.approx((1.0 / (3.0 * np.pi), 2.0 / (3.0 * np.pi * 1.7)))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("bucket,x [m]\nA,1\n", "no column y [m]"),
+        ("bucket,x [m],y [m]\nA,1,2\nB,1,2\n", "two caissons at one place"),
+        ("bucket,x [m],y [m]\nA,1,2\nB,,2\n", "a position has x and y"),
+        ("bucket,x [m],y [m]\nA,1,2\n", "two caissons or more"),
+    ],
+)
+def test_positions_that_are_refused(tmp_path, text, words) -> None:
+    (tmp_path / "group.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(UserInputError) as refused:
+        read_group(tmp_path / "group.csv")
+    assert words in str(refused.value)
+
+
+def test_the_command_has_a_row_a_caisson(bending, tmp_path) -> None:
+    save_springs(bending, tmp_path / "springs.nc")
+    cases_of(tmp_path, f"storm,300,900,{3e-3 * rest_load(bending)},0,0")
+    (tmp_path / "group.csv").write_text("leg,x [m],y [m]\nA,10,0\nB,-5,8.66\nC,-5,-8.66\n", encoding="utf-8")
+    words = ("design", tmp_path / "springs.nc", tmp_path / "cases.csv", "--group", tmp_path / "group.csv")
+    done = command(*map(str, words), "--joint", "3 GN m/rad", "--tilt", "0.25 deg")
+    assert done.code == 0, done.err
+    assert all(f"storm, {leg}" in done.out for leg in "ABC")
+    assert "3 caissons under a rigid frame, joints of 3000 MN m/rad" in done.out.replace("\n", " ")
+    wrong = command("design", str(tmp_path / "springs.nc"), str(tmp_path / "cases.csv"), "--joint", "3 GN m/rad")
+    assert wrong.code == 2 and "--joint: is the stiffness" in wrong.err
