@@ -29,12 +29,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.errors import refused
 from pysprings.core.planes import in_plane
 from pysprings.core.tables import Column, one_table
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.text import number
 from pysprings.macro.batch import answer_loads
-from pysprings.macro.model import typed
 from pysprings.studies.design import answer_cases, verdicts
 
 if TYPE_CHECKING:
@@ -107,9 +107,14 @@ def answer_group(
 ) -> pd.DataFrame:  # fmt: skip
     """Return the answers to load cases of a group, a row a case and caisson; see `design.answer_cases`.
 
-    The tilt is that of the frame; attrs["group"] is a sentence on the group. Cases whose V is not given have that of the springs at each caisson. A case whose
-    whole load finds no equilibrium has no answer.
+    The tilt is that of the frame; attrs["group"] is a sentence on the group. Cases whose V is not given have that of
+    the springs at each caisson. A case whose whole load finds no equilibrium has no answer.
     """
+    rest = answer_loads(springs, np.zeros((1, 2)), np.array([np.nan]), **choice)
+    if "w" not in rest:
+        raise refused("--group", "these springs have no vertical path: nothing shares V and M among caissons")
+    given = np.where(np.isnan(cases.V), len(group.name) * float(rest["V"].values[0]), cases.V)
+    cases = replace(cases, V=given)
     found = [_shared(springs, cases, k, group, extrapolate, choice) for k in range(len(cases))]
     rows = np.repeat(np.arange(len(cases)), len(group.name))
     every = _of_buckets(cases, group, [loads for loads, _, _ in found])
@@ -125,9 +130,11 @@ def answer_group(
     blank = [name for name in frame if frame[name].dtype.kind == "f" and name not in ("V_N", "tilt_limit_deg")]
     frame.loc[lost, blank] = np.nan
     frame.loc[lost, "answered"] = 0
-    frame.loc[lost, "marks"] = [f"the group finds equilibrium up to {100.0 * x:.0f} % of the case" for x in carried[lost]]
+    frame.loc[lost, "marks"] = [
+        f"the group is in equilibrium up to {100.0 * x:.0f} % of the case" for x in carried[lost]
+    ]
     frame = frame.assign(verdict=verdicts(frame))
-    frame.attrs["group"] = _words(group, float(typed(springs).attrs.get("outer_diameter_m", np.nan)))
+    frame.attrs["group"] = _words(group, float(rest.attrs.get("outer_diameter_m", np.nan)))
     return frame
 
 
@@ -136,7 +143,7 @@ def _words(group: Group, diameter: float) -> str:
     down, along = (number(100.0 * each, 2) for each in group.interaction(diameter))
     joints = "rigid" if np.isinf(group.joint) else f"of {number(1e-6 * group.joint)} MN m/rad"
     return (
-        f"{len(group.name)} caissons under a rigid frame, joints {joints}; M and positions about one origin at the lids. "
+        f"{len(group.name)} caissons under a rigid frame, joints {joints}; M about the origin of the positions. "
         f"Interaction through the soil is left out: in an elastic half-space neighbours add at most {down} % to the "
         f"settlement and {along} % to u (Boussinesq, Cerruti)"
     )
@@ -181,9 +188,7 @@ def _shared(
         softer[:, 2, 2] += 1.0 / group.joint
         return motions, np.linalg.inv(softer)
 
-    V = np.full(n, np.nan if np.isnan(cases.V[k]) else cases.V[k] / n)
-    if np.isnan(V[0]):
-        V = answer_loads(springs, np.zeros((n, 2)), V, **choice)["V"].values
+    V = np.full(n, cases.V[k] / n)
     c, s = np.cos(cases.direction[k]), np.sin(cases.direction[k])
     frame = _frame(group.at @ np.array([[c, -s], [s, c]]))
     target = np.array([cases.H[k], V.sum(), cases.M[k], cases.across[k]])
