@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Make a release in one go: ``python -m tools.release VERSION [--dry-run]`` (`make release VERSION=1.2.3`).
 
-It refuses a tree with changes, a version that is not higher and an empty changelog. It writes version and date to the
+It refuses a tree with changes, a lower version, one with a tag, and an empty changelog. It writes version and date to the
 files that hold them, makes the generated pages, runs the checks, builds wheel and sdist, commits and tags. A step that
 fails leaves the files as they were. Nothing is uploaded.
 """
@@ -39,8 +39,8 @@ def faults(root: Path, version: str) -> list[str]:
         return [f"{version!r} is not a version such as 1.2.3"]
     found = []
     now = version_in(root)
-    if [int(part) for part in version.split(".")] <= [int(part) for part in now.split(".")]:
-        found.append(f"version {version} is not above {now}")
+    if [int(part) for part in version.split(".")] < [int(part) for part in now.split(".")]:
+        found.append(f"version {version} is below {now}")
     if output(root, "git", "status", "--porcelain"):
         found.append("the tree has changes that are not committed")
     if f"v{version}" in output(root, "git", "tag").split():

@@ -24,6 +24,14 @@ mesh = { preset = "coarse", refinement = 0.5, harmonics = 2, discretisation = "f
 solver = { tolerance = 1e-3 }
 output = { figures = false }
 
+[soil]
+young_modulus = "60 MPa"
+poisson_ratio = 0.3
+friction_angle_final = "34 deg"
+effective_unit_weight = "9 kN/m^3"
+K0 = 0.5
+surcharge = "5 kPa"
+
 [[path]]
 name = "pull"
 kind = "pull"

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from pysprings import load_scene
 from tests.support.place import ROOT
-from tools import release
+from tools import release, wheel_check
 
 FILES = {
     "pysprings/core/version.py": '__version__ = "0.9.0"\n',
@@ -71,13 +72,19 @@ def test_everything_that_forbids_a_release_is_named(repository: Path, capsys: py
     subprocess.run(["git", "tag", "v0.8.0"], cwd=repository, check=True)
     assert release.main(["0.8.0"], repository) == 2
     assert capsys.readouterr().out.splitlines() == [
-        "version 0.8.0 is not above 0.9.0",
+        "version 0.8.0 is below 0.9.0",
         "the tree has changes that are not committed",
         "the tag v0.8.0 is there already",
         "CHANGELOG.md: nothing stands under [Unreleased]",
     ]
     assert release.main(["1.0"], repository) == 2
+    assert "below" not in " ".join(release.faults(repository, "0.9.0"))  # the first release: no tag has it
 
 
 def test_the_files_of_this_repository_have_a_place_for_the_version() -> None:
     assert len(release.written(ROOT, "99.0.0", "2026-01-01")) == 4
+
+
+def test_the_scene_of_the_wheel_check_is_accepted(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(wheel_check.SCENE, encoding="utf-8")
+    assert [path.name for path in load_scene(tmp_path / "scene.toml").load_paths] == ["pull"]
