@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Make a release in one go: ``python -m tools.release VERSION [--dry-run]`` (`make release VERSION=1.2.3`).
 
-It refuses a tree with changes, a lower version, one with a tag, and an empty changelog. It writes version and date to the
-files that hold them, makes the generated pages, runs the checks, builds wheel and sdist, commits and tags. A step that
-fails leaves the files as they were. Nothing is uploaded.
+It refuses a tree with changes, a lower version, one with a tag, and an empty changelog. It writes version and date to
+the files that hold them, makes the generated pages, runs the checks, builds wheel and sdist, commits and tags. A step
+that fails leaves the files as they were. Nothing is uploaded.
 """
 
 import argparse
