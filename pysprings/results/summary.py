@@ -94,6 +94,8 @@ def _loads(run: Run) -> str:
         if best is not None:
             at = int(np.abs(best[1][load].values).argmax())
             u, turn, value = (float(best[1][name][at]) for name in ("u", "rotation", load))
+            least = _ROUNDING * max(abs(u), abs(turn) * length)
+            u, turn = (u if abs(u) > least else 0.0), (turn if abs(turn) * length > least else 0.0)
             parts.append(
                 f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
             )

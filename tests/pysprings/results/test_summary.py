@@ -56,6 +56,13 @@ def test_a_moment_that_is_rounding_is_no_load(folder: Path) -> None:
     assert ", M " not in record.summary["loads"]
 
 
+def test_a_rotation_that_is_none_to_rounding_is_0(tmp_path: Path) -> None:
+    shift = {"name": "shift", "kind": "translation", "lateral_displacement": 5e-4}
+    record = RunRecord.read(run_to_folder(tiny.scene(paths=[shift]), tmp_path / "out", estimate_error=False))
+    assert record is not None and record.summary is not None
+    assert record.summary["loads"].count("u 0.5 mm, 0 deg)") == 2
+
+
 def test_marks_stand_beside_the_tilt(folder: Path) -> None:
     """Springs of one pull, under a load at another height."""
     assert "off the path 'pull'" in tilt(folder, lateral_force=5e4, arm=6.0)
