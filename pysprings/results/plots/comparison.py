@@ -17,37 +17,22 @@ from pysprings.macro.cycles import Followed, cycles
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import Control
 from pysprings.results.analysis.parts import converged
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, unit_text
-from pysprings.results.plots.style import (
-    BLUE,
-    GREEN,
-    INK,
-    MM,
-    MRAD,
-    ORANGE,
-    PURPLE,
-    VERMILLION,
-    new_figure,
-    note_unconverged,
-    plot_path,
-    set_title,
-    styled,
-    zero_lines,
-)
 from pysprings.springs.path import SpringPath
 
 LOOKS = {
-    "fan": (GREEN, "-.", "^"),
-    "full": (BLUE, "--", "o"),
-    "pisa": (ORANGE, ":", "D"),
-    "py": (VERMILLION, "--", "s"),
-    "memory": (PURPLE, "-", "v"),
+    "fan": (style.GREEN, "-.", "^"),
+    "full": (style.BLUE, "--", "o"),
+    "pisa": (style.ORANGE, ":", "D"),
+    "py": (style.VERMILLION, "--", "s"),
+    "memory": (style.PURPLE, "-", "v"),
 }
 FULL_NAME = "full model (3D finite elements)"
 SMALLEST = 0.01  # states below this share of the largest displacement have no error and no point of rotation
 
 
-@styled
+@style.styled
 def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the full model and predictions of the rigid body on springs along the same path.
 
@@ -64,16 +49,16 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
     driver, label = ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
     answer, reply = ("u", "u [mm]") if rotates else ("rotation", "rotation [mrad]")
     free = PATH_KINDS[full.attrs["kind"]].free_head
-    figure = new_figure(9.6, 8.6 if free else 4.8)
+    figure = style.new_figure(9.6, 8.6 if free else 4.8)
     left, right, *below = figure.subplots(2 if free else 1, 2).ravel()
     factor, unit = unit_text(full[load].values)
-    sides = ((left, load, factor), (right, answer, MM if answer == "u" else MRAD))
+    sides = ((left, load, factor), (right, answer, style.MM if answer == "u" else style.MRAD))
     for axes, name, scale in sides:
         _draw(axes, full, curves, driver, name, scale)
         axes.set_xlabel(label)
         if np.nanmin(full[driver].values) >= 0:
             axes.set_xlim(left=0)
-        zero_lines(axes)
+        style.zero_lines(axes)
     left.set_ylabel(f"{load} [{unit}{' m' if rotates else ''}]")
     right.set_ylabel(reply)
     left.set_title("Load")
@@ -83,12 +68,12 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
         _draw_point(below[1], full, curves)
     handles, names = left.get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=2 if len(names) > 3 else len(names))
-    set_title(figure, "Rigid body on springs against the full model", full.attrs)
+    style.set_title(figure, "Rigid body on springs against the full model", full.attrs)
     return figure
 
 
 def _line_style(kind: str) -> dict[str, Any]:
-    colour, dash, marker = LOOKS.get(kind, (GREEN, "-.", "^"))
+    colour, dash, marker = LOOKS.get(kind, (style.GREEN, "-.", "^"))
     return {"color": colour, "linestyle": dash, "marker": marker, "markersize": 4.5}
 
 
@@ -100,9 +85,9 @@ def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Da
         u = full["u"].values[converged(full)][: curve.sizes["step"]]  # a curve holds the converged steps
         shown = np.abs(u) > SMALLEST * np.abs(u).max()
         error = 100.0 * (curve["u_at_load"].values[shown] / u[shown] - 1.0)
-        axes.plot(u[shown] * MM, error, markevery=max(1, shown.sum() // 12), **_line_style(kind))
+        axes.plot(u[shown] * style.MM, error, markevery=max(1, shown.sum() // 12), **_line_style(kind))
     axes.set_yscale("symlog", linthresh=10.0)
-    axes.axhline(0.0, color=INK, linewidth=2.6)
+    axes.axhline(0.0, color=style.INK, linewidth=2.6)
     axes.set(
         xlabel="lateral displacement u of the full model [mm]",
         ylabel="error of u [%] (linear to 10 %)",
@@ -113,10 +98,10 @@ def _draw_error_at_load(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Da
 def _draw_point(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> None:
     """Draw the depth of the point of the axis at rest, downwards, over the range of the full model with a margin."""
     depths = [_point(full)]
-    axes.plot(full["u"].values * MM, depths[0], color=INK, linewidth=2.6)
+    axes.plot(full["u"].values * style.MM, depths[0], color=style.INK, linewidth=2.6)
     for kind, curve in curves.items():
         depth = _point(curve)
-        axes.plot(curve["u"].values * MM, depth, markevery=max(1, depth.size // 12), **_line_style(kind))
+        axes.plot(curve["u"].values * style.MM, depth, markevery=max(1, depth.size // 12), **_line_style(kind))
     known = depths[0][np.isfinite(depths[0])]
     if known.size:
         low, high = np.percentile(known, [5, 95])
@@ -133,15 +118,17 @@ def _point(data: xr.Dataset) -> np.ndarray:
 
 
 def _draw(axes: Axes, full: xr.Dataset, curves: Mapping[str, xr.Dataset], driver: str, name: str, scale: float) -> None:
-    drive = MRAD if driver == "rotation" else MM
-    looks: list[tuple[xr.Dataset, dict[str, Any]]] = [(full, {"color": INK, "linewidth": 2.6, "label": FULL_NAME})]
+    drive = style.MRAD if driver == "rotation" else style.MM
+    looks: list[tuple[xr.Dataset, dict[str, Any]]] = [
+        (full, {"color": style.INK, "linewidth": 2.6, "label": FULL_NAME})
+    ]
     for kind, curve in curves.items():
         label = f"macro-model, {SPRING_SETS[kind].label}" if kind in SPRING_SETS else kind
         every = max(1, curve.sizes["step"] // 12)
         looks.append((curve, {**_line_style(kind), "markevery": every, "label": label}))
     for data, look in looks:
-        plot_path(axes, data[driver].values * drive, data[name].values * scale, converged(data), **look)
-    note_unconverged(axes, np.concatenate([converged(data) for data, _ in looks]))
+        style.plot_path(axes, data[driver].values * drive, data[name].values * scale, converged(data), **look)
+    style.note_unconverged(axes, np.concatenate([converged(data) for data, _ in looks]))
 
 
 PICTURE = Picture(
@@ -157,7 +144,7 @@ PICTURE = Picture(
 FULL = "full model"
 
 
-@styled
+@style.styled
 def memory_loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
     """Draw H over u and M over the rotation, and secant stiffness and damping ratio of each cycle over its amplitude.
 
@@ -168,23 +155,23 @@ def memory_loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
     answers
         Answers of springs along it, by spring set, with the same variables.
     """
-    figure = new_figure(9.6, 7.6)
+    figure = style.new_figure(9.6, 7.6)
     axes = figure.subplots(2, 2)
     for panel, (x, y, scale, label) in zip(
-        axes[0], (("u", "H", MM, "u [mm]"), ("rotation", "M", MRAD, "rotation [mrad]")), strict=True
+        axes[0], (("u", "H", style.MM, "u [mm]"), ("rotation", "M", style.MRAD, "rotation [mrad]")), strict=True
     ):
         factor, unit = unit_text(path[y])
-        panel.plot(path[x] * scale, path[y] * factor, color=INK, linewidth=2.2, label=FULL)
+        panel.plot(path[x] * scale, path[y] * factor, color=style.INK, linewidth=2.2, label=FULL)
         for name, answer in answers.items():
             colour, dash, _ = LOOKS[name]
             values = answer[x].values * scale, answer[y].values * factor
             panel.plot(*values, color=colour, linestyle=dash, label=SPRING_SETS[name].label)
         panel.set(xlabel=label, ylabel=f"{y} [{unit} m]" if y == "M" else f"{y} [{unit}]")
-        zero_lines(panel)
+        style.zero_lines(panel)
     axes[0, 0].legend(loc="best", fontsize=8)
     for name, answer in answers.items():
         _measures(axes[1], path, name, answer)
-    set_title(figure, "Loops", dict(path.dataset.attrs))
+    style.set_title(figure, "Loops", dict(path.dataset.attrs))
     return figure
 
 
@@ -198,12 +185,12 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
     control: Control = "displacement" if path.rules.free_head else "state"
     table = cycles(Followed(path, name, control, full, (motions, loads), ""))
     ends = np.concatenate([[0.0], table["x_end_full"]])
-    amplitude = 0.5 * np.abs(np.diff(ends)) * MM
+    amplitude = 0.5 * np.abs(np.diff(ends)) * style.MM
     colour, _, marker = LOOKS[name]
     factor, unit = unit_text(table["secant_full"].to_numpy())
     rows = (("secant", factor, f"secant stiffness dH/du [{unit}/m]"), ("damping", 1.0, "damping ratio of the cycle"))
     for panel, (what, scale, words) in zip(panels, rows, strict=True):
-        for whose, look in (("full", (INK, "o", FULL)), ("macro", (colour, marker, SPRING_SETS[name].label))):
+        for whose, look in (("full", (style.INK, "o", FULL)), ("macro", (colour, marker, SPRING_SETS[name].label))):
             looks = dict(zip(("color", "marker", "label"), look, strict=True))
             values = table[f"{what}_{whose}"].to_numpy() * scale
             panel.plot(amplitude, values, linestyle="none", markersize=6, fillstyle="none", **looks)

@@ -14,27 +14,11 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import Opening, openings, pick_step, plan_gap, skirt_gap
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, step_text
-from pysprings.results.plots.style import (
-    BLUE,
-    DEG,
-    GAP_COLOURS,
-    GREY,
-    INK,
-    MM,
-    PALE,
-    PURPLE,
-    RADIUS_COLOURS,
-    STEEL,
-    VERMILLION,
-    new_figure,
-    set_title,
-    styled,
-    zero_lines,
-)
 
 
-@styled
+@style.styled
 def gap_map(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> Figure:
     """Draw the gap opening [mm] at a step: outside and inside of the skirt, under the lid, under the tip.
 
@@ -47,7 +31,7 @@ def gap_map(path: xr.Dataset, step: int | None = None, displacement: float | Non
     """
     step = pick_step(path, step, displacement)
     by_surface = {each.surface: each for each in openings(path, step)}
-    figure = new_figure(10.0, 7.6)
+    figure = style.new_figure(10.0, 7.6)
     outside, inside, lid, tip = figure.subplots(2, 2).ravel()
     norm = _skirt_norm(path, step)
     for axes, side in ((outside, "outside"), (inside, "inside")):
@@ -59,8 +43,8 @@ def gap_map(path: xr.Dataset, step: int | None = None, displacement: float | Non
     widest = max(by_surface.values(), key=lambda each: each.width)
     summary = "closed everywhere"
     if widest.width > 0:
-        summary = f"max {widest.width * MM:.3g} mm: {widest.surface}, {widest.place}"
-    set_title(figure, f"Gap opening at {step_text(path, step)}", path.attrs, summary)
+        summary = f"max {widest.width * style.MM:.3g} mm: {widest.surface}, {widest.place}"
+    style.set_title(figure, f"Gap opening at {step_text(path, step)}", path.attrs, summary)
     return figure
 
 
@@ -72,18 +56,20 @@ def cell_edges(centres: NDArray[np.float64], low: float, high: float) -> NDArray
 def _skirt_norm(path: xr.Dataset, step: int) -> Normalize:
     """Return one colour scale [mm] for both sides of the skirt, so that they can be compared."""
     widest = max(float(np.nanmax(skirt_gap(path, step, str(side)), initial=0.0)) for side in path["side"].values)
-    return Normalize(0.0, widest * MM if widest > 0 else 1.0)
+    return Normalize(0.0, widest * style.MM if widest > 0 else 1.0)
 
 
 def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normalize) -> None:
-    gap = skirt_gap(path, step, side) * MM
+    gap = skirt_gap(path, step, side) * style.MM
     azimuth, depth = path["azimuth"].values, path["depth"].values
     edges = (
-        cell_edges(azimuth, 0.0, np.pi) * DEG,
+        cell_edges(azimuth, 0.0, np.pi) * style.DEG,
         cell_edges(depth, 0.0, float(path["depth_bounds"].values.max())),
     )
-    axes.set_facecolor(PALE)
-    drawn = axes.pcolormesh(*edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=GAP_COLOURS, gid=f"gap {side}")
+    axes.set_facecolor(style.PALE)
+    drawn = axes.pcolormesh(
+        *edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=style.GAP_COLOURS, gid=f"gap {side}"
+    )
     _around(axes)
     axes.set(ylim=(edges[1][-1], 0), ylabel="depth below mudline [m]")
     axes.grid(False)
@@ -119,19 +105,19 @@ def _draw_lid(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         return
     x, y, gap = plan_gap(path, step, "lid")
     radius = float(np.hypot(x, y).max())
-    axes.add_patch(Circle((0, 0), radius, facecolor=PALE, edgecolor=STEEL, linewidth=1.5, zorder=1))
-    image = nearest_station_image(x, y, gap * MM)
+    axes.add_patch(Circle((0, 0), radius, facecolor=style.PALE, edgecolor=style.STEEL, linewidth=1.5, zorder=1))
+    image = nearest_station_image(x, y, gap * style.MM)
     drawn = axes.imshow(
         np.ma.masked_less_equal(image, 0.0),
         extent=(-radius, radius, -radius, radius),
         origin="lower",
         zorder=2,
-        cmap=GAP_COLOURS,
-        norm=Normalize(0.0, opening.width * MM or 1.0),
+        cmap=style.GAP_COLOURS,
+        norm=Normalize(0.0, opening.width * style.MM or 1.0),
         interpolation="nearest",
         gid="gap lid",
     )
-    axes.plot(np.r_[x, x], np.r_[y, -y], linestyle="none", marker=".", markersize=1.5, color=GREY, zorder=3)
+    axes.plot(np.r_[x, x], np.r_[y, -y], linestyle="none", marker=".", markersize=1.5, color=style.GREY, zorder=3)
     axes.set(aspect="equal", xlabel="x [m], front on the right", ylabel="y [m]", title=opening.text())
     axes.grid(False)
     _bar(axes, drawn, gap)
@@ -142,14 +128,14 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         axes.set_axis_off()
         return
     x, y, gap = plan_gap(path, step, "tip")
-    azimuth, radius = np.arctan2(np.abs(y), x) * DEG, np.hypot(x, y)
+    azimuth, radius = np.arctan2(np.abs(y), x) * style.DEG, np.hypot(x, y)
     order = np.argsort(azimuth)
     several = np.ptp(radius) > 1e-6 * radius.max()
     drawn = axes.scatter(
         azimuth[order],
-        gap[order] * MM,
-        c=radius[order] if several else PURPLE,
-        cmap=RADIUS_COLOURS if several else None,
+        gap[order] * style.MM,
+        c=radius[order] if several else style.PURPLE,
+        cmap=style.RADIUS_COLOURS if several else None,
         s=22,
         linewidths=0,
         gid="gap tip",
@@ -157,7 +143,7 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         clip_on=False,
     )
     _around(axes)
-    axes.set(ylim=(0, 1.08 * opening.width * MM or 1), ylabel="gap [mm]", title=opening.text())
+    axes.set(ylim=(0, 1.08 * opening.width * style.MM or 1), ylabel="gap [mm]", title=opening.text())
     if several:
         axes.figure.colorbar(drawn, ax=axes, label="radius of the point [m]", pad=0.02)
 
@@ -168,7 +154,7 @@ def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None
         axes.figure.colorbar(drawn, ax=axes, label="gap [mm] (grey: closed)", pad=0.02)
     else:
         text = axes.text(0.5, 0.5, "closed", transform=axes.transAxes, ha="center", va="center", fontsize=12)
-        text.set_bbox({"facecolor": "white", "edgecolor": GREY, "pad": 4})
+        text.set_bbox({"facecolor": "white", "edgecolor": style.GREY, "pad": 4})
 
 
 PICTURE = Picture(
@@ -182,7 +168,7 @@ PICTURE = Picture(
 )
 
 
-@styled
+@style.styled
 def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> Figure:
     """Draw the change of the skirt's diameters [mm] and the displacement of its mean fibre [mm] by depth.
 
@@ -196,24 +182,26 @@ def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float |
     step = pick_step(path, step, displacement)
     state = path.isel(step=step)
     depth = path["depth"].values
-    figure = new_figure(8.6, 4.6)
+    figure = style.new_figure(8.6, 4.6)
     left, right = figure.subplots(1, 2, sharey=True)
-    left.plot(state["diameter_change_x"] * MM, depth, "-o", color=VERMILLION, label="in the loading direction, x")
-    left.plot(state["diameter_change_y"] * MM, depth, "--s", color=BLUE, label="across it, y")
+    left.plot(
+        state["diameter_change_x"] * style.MM, depth, "-o", color=style.VERMILLION, label="in the loading direction, x"
+    )
+    left.plot(state["diameter_change_y"] * style.MM, depth, "--s", color=style.BLUE, label="across it, y")
     left.set(xlabel="change of diameter [mm], growth +", title="Ovalisation of the skirt")
     rigid = float(state["u"]) - float(state["rotation"]) * depth
-    right.plot(state["y"] * MM, depth, "-o", color=INK, label="mean fibre of the skirt")
-    right.plot(rigid * MM, depth, ":", color=INK, label="rigid motion of the lid's centre")
+    right.plot(state["y"] * style.MM, depth, "-o", color=style.INK, label="mean fibre of the skirt")
+    right.plot(rigid * style.MM, depth, ":", color=style.INK, label="rigid motion of the lid's centre")
     right.set(xlabel="lateral displacement [mm], towards +x", title="Where the sections are")
     left.set_ylabel("depth below mudline [m]")
     # room for the keys above mudline
     left.set_ylim(1.04 * depth[-1], -0.25 * depth[-1])
     left.set_yticks([tick for tick in left.get_yticks() if 0.0 <= tick <= depth[-1]])
     for axes in (left, right):
-        zero_lines(axes)
+        style.zero_lines(axes)
         axes.margins(x=0.1)
         axes.legend(loc="upper center", frameon=False)
-    set_title(figure, f"Elastic caisson at {step_text(path, step)}", path.attrs)
+    style.set_title(figure, f"Elastic caisson at {step_text(path, step)}", path.attrs)
     return figure
 
 

@@ -10,22 +10,9 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from pysprings.core.errors import PyspringsError
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.section import quad_corners
-from pysprings.results.plots.style import (
-    BLUE,
-    GREEN,
-    KPA,
-    PALE,
-    PURPLE,
-    SOIL,
-    STEEL,
-    VERMILLION,
-    new_figure,
-    plain,
-    set_title,
-    styled,
-)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,11 +24,11 @@ if TYPE_CHECKING:
 MPA, DEGREES = 1e-6, 180.0 / np.pi
 _DEEPEST = 2.5  # skirt lengths that are drawn
 _DEPTHS = 41  # of each layer
-_LAYERS = (SOIL, PALE)
+_LAYERS = (style.SOIL, style.PALE)
 # key of the ground, heading, factor, colour
 _COLUMNS = (
-    ("friction_angle_final", "friction\nangle [deg]", DEGREES, PURPLE),
-    ("undrained_shear_strength", "su [kPa]", KPA, VERMILLION),
+    ("friction_angle_final", "friction\nangle [deg]", DEGREES, style.PURPLE),
+    ("undrained_shear_strength", "su [kPa]", style.KPA, style.VERMILLION),
 )
 
 
@@ -62,7 +49,7 @@ def _applies(view: View) -> bool:
     return scene is not None and not (scene.ground.is_uniform and not scene.ground.total_stress)
 
 
-@styled
+@style.styled
 def ground_profile(view: View) -> Figure:
     """Draw layers, caisson and mesh, and by depth vertical effective stress, G, friction angle and su.
 
@@ -73,21 +60,21 @@ def ground_profile(view: View) -> Figure:
         raise ValueError("the result does not hold its scene")
     ground = scene.ground
     columns = [each for each in _COLUMNS if any(each[0] in stratum.values for stratum in ground.strata)]
-    figure = new_figure(9.0, 5.2)
+    figure = style.new_figure(9.0, 5.2)
     widths = [1.6, *(2 + len(columns)) * [1.0]]
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
     deepest = min(_DEEPEST * scene.caisson.skirt_length, scene.extent.ground)
     _draw_section(panels[0], view, scene, ground, deepest)
-    _draw_curves(panels[1], ground, deepest, "vertical", KPA, BLUE, "vertical effective\nstress [kPa]")
-    _draw_curves(panels[2], ground, deepest, "shear", MPA, GREEN, "shear modulus\nG [MPa]")
+    _draw_curves(panels[1], ground, deepest, "vertical", style.KPA, style.BLUE, "vertical effective\nstress [kPa]")
+    _draw_curves(panels[2], ground, deepest, "shear", MPA, style.GREEN, "shear modulus\nG [MPa]")
     for axes, (key, heading, factor, colour) in zip(panels[3:], columns, strict=True):
         _draw_curves(axes, ground, deepest, key, factor, colour, heading)
     for axes in panels[1:]:
-        axes.axhline(scene.caisson.skirt_length, color=STEEL, linewidth=0.8, linestyle="--")
+        axes.axhline(scene.caisson.skirt_length, color=style.STEEL, linewidth=0.8, linestyle="--")
         axes.set_xlim(left=0.0)
     panels[0].set_ylim(deepest, 0.0)
     panels[0].set_ylabel("depth [m]")
-    set_title(figure, "Ground by depth", view.with_settings(view.path).attrs, "dashed: level of the skirt tip")
+    style.set_title(figure, "Ground by depth", view.with_settings(view.path).attrs, "dashed: level of the skirt tip")
     return figure
 
 
@@ -97,14 +84,16 @@ def _draw_section(axes: Axes, view: View, scene: Scene, ground: Ground, deepest:
     for number, stratum in enumerate(ground.strata):
         if stratum.top < deepest:
             axes.axhspan(stratum.top, min(stratum.bottom, deepest), color=_LAYERS[number % 2], zorder=0)
-            name = plain(stratum.name[:40])
+            name = style.plain(stratum.name[:40])
             axes.annotate(name, (-2.9 * radius, stratum.top), (2, -3), textcoords="offset points", va="top", fontsize=8)
     if view.section is not None:
         cells = PolyCollection(list(quad_corners(view.section)), facecolor="none", edgecolor="#9a8f78", linewidth=0.3)
         cells.set_gid("mesh")
         axes.add_collection(cells)
     side = scene.caisson.skirt_length
-    axes.plot([-radius, -radius, radius, radius], [side, 0.0, 0.0, side], color=STEEL, linewidth=3.0, gid="caisson")
+    axes.plot(
+        [-radius, -radius, radius, radius], [side, 0.0, 0.0, side], color=style.STEEL, linewidth=3.0, gid="caisson"
+    )
     axes.set_xlim(-3.0 * radius, 3.0 * radius)
     axes.set_xlabel("x [m]")
     axes.grid(False)

@@ -10,33 +10,14 @@ from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, abscissa, spread_depths, unit_text
 from pysprings.results.plots.profiles import MOST_CURVES, depth_colours
-from pysprings.results.plots.style import (
-    BLUE,
-    DEG,
-    GREEN,
-    INK,
-    KN,
-    MM,
-    MRAD,
-    ORANGE,
-    SKY,
-    SURFACE_COLOURS,
-    VERMILLION,
-    legend_beside,
-    new_figure,
-    note_unconverged,
-    plot_path,
-    set_title,
-    styled,
-    zero_lines,
-)
 
 SURFACES = {"outer": "skirt outside", "inner": "skirt inside", "lid": "lid", "tip": "tip"}
 
 
-@styled
+@style.styled
 def load_displacement(path: xr.Dataset) -> Figure:
     """Draw the load of the whole caisson by component, vertical forces, rotation and heave along one path.
 
@@ -46,7 +27,7 @@ def load_displacement(path: xr.Dataset) -> Figure:
         One path: H and its parts [N] (M [N m] on a rotation path), F_in, F_out, F_pw [N], rotation [rad],
         w [m].
     """
-    figure = new_figure(9.6, 7.0)
+    figure = style.new_figure(9.6, 7.0)
     axes = figure.subplots(2, 2)
     what = {"H": "Horizontal load", "M": "Moment about the lid centre"}
     letter = "M" if driven(path.attrs) == "rotation" else "H"
@@ -59,33 +40,33 @@ def load_displacement(path: xr.Dataset) -> Figure:
         each.set_xlabel(label)
         if np.nanmin(x) >= 0:
             each.set_xlim(left=0)
-        zero_lines(each)
-    set_title(figure, "Load and motion of the caisson", path.attrs, _status(path))
+        style.zero_lines(each)
+    style.set_title(figure, "Load and motion of the caisson", path.attrs, _status(path))
     for each in (axes[0, 0], axes[0, 1]):
-        legend_beside(each)
+        style.legend_beside(each)
     return figure
 
 
 # change of a vertical force from the start -> meaning, colour, line
 _FORCES = {
-    "F_in": ("shear inside", ORANGE, "-"),
-    "F_out": ("shear outside", BLUE, "-"),
-    "F_pw": ("water under the lid", SKY, "--"),
+    "F_in": ("shear inside", style.ORANGE, "-"),
+    "F_out": ("shear outside", style.BLUE, "-"),
+    "F_pw": ("water under the lid", style.SKY, "--"),
 }
 
 
 def _curve(axes: Axes, path: xr.Dataset, name: str, factor: float, **line: Any) -> None:
     """Draw a variable of the path over what drives it."""
-    plot_path(axes, abscissa(path)[0], path[name].values * factor, converged(path), **line)
+    style.plot_path(axes, abscissa(path)[0], path[name].values * factor, converged(path), **line)
 
 
 def _by_surface(axes: Axes, path: xr.Dataset, letter: str, title: str, sense: str = "") -> None:
     """Draw H, V or M of the whole caisson, and what each surface carries of it."""
     factor, unit = unit_text(path[letter].values)
-    _curve(axes, path, letter, factor, color=INK, linewidth=2.4, label=f"total {letter}")
+    _curve(axes, path, letter, factor, color=style.INK, linewidth=2.4, label=f"total {letter}")
     for surface, name in SURFACES.items():
         if f"{letter}_{surface}" in path:
-            _curve(axes, path, f"{letter}_{surface}", factor, color=SURFACE_COLOURS[surface], label=name)
+            _curve(axes, path, f"{letter}_{surface}", factor, color=style.SURFACE_COLOURS[surface], label=name)
     unit = f"{unit} m" if letter == "M" else unit
     axes.set(ylabel=f"{letter} [{unit}]{sense}", title=f"{title} and the surfaces that carry it")
 
@@ -101,16 +82,16 @@ def _vertical_forces(axes: Axes, path: xr.Dataset) -> None:
 
 
 def _rotation(axes: Axes, path: xr.Dataset) -> None:
-    _curve(axes, path, "rotation", MRAD, color=VERMILLION)
+    _curve(axes, path, "rotation", style.MRAD, color=style.VERMILLION)
     axes.set(ylabel="rotation [mrad]", title="Rotation (positive leans towards +x)")
-    ratio = DEG / MRAD
+    ratio = style.DEG / style.MRAD
     both = (lambda mrad: np.multiply(mrad, ratio), lambda degrees: np.divide(degrees, ratio))
     degrees = axes.secondary_yaxis("right", functions=both)
     degrees.set_ylabel("rotation [deg]")
 
 
 def _heave(axes: Axes, path: xr.Dataset) -> None:
-    _curve(axes, path, "w", -MM, color=GREEN)
+    _curve(axes, path, "w", -style.MM, color=style.GREEN)
     axes.set(ylabel="heave \N{MINUS SIGN}w [mm], up +", title="Heave of the lid centre")
 
 
@@ -131,7 +112,7 @@ PICTURE = Picture(
 )
 
 
-@styled
+@style.styled
 def vertical_springs(path: xr.Dataset) -> Figure:
     """Draw the vertical load V [N] with its parts, and the vertical reaction t [kN/m] by depth, over w [mm].
 
@@ -140,29 +121,29 @@ def vertical_springs(path: xr.Dataset) -> Figure:
     path
         A vertical path of a result: w [m], V [N] and V of each surface, t [N/m] by depth, side and step.
     """
-    figure = new_figure(9.6, 4.8)
+    figure = style.new_figure(9.6, 4.8)
     left, right = figure.subplots(1, 2)
     x, label = abscissa(path)
     _by_surface(left, path, "V", "Vertical load", ", down +")
     _reactions(right, path, x)
     for axes in (left, right):
         axes.set_xlabel(label)
-        zero_lines(axes)
+        style.zero_lines(axes)
         if x[-1] < x[0]:
             axes.invert_xaxis()
-    legend_beside(left)
-    legend_beside(right, title="depth")
-    set_title(figure, "Vertical springs", path.attrs)
+    style.legend_beside(left)
+    style.legend_beside(right, title="depth")
+    style.set_title(figure, "Vertical springs", path.attrs)
     return figure
 
 
 def _reactions(axes: Axes, path: xr.Dataset, x: np.ndarray) -> None:
     good, rings = converged(path), spread_depths(path, MOST_CURVES)
-    t = path["t"].sum("side").transpose("depth", "step").values * KN
+    t = path["t"].sum("side").transpose("depth", "step").values * style.KN
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
         label = f"{float(path['depth'][ring]):.2f} m"
-        plot_path(axes, x, t[ring], good, color=colour, linewidth=1.7, label=label)
-    note_unconverged(axes, good)
+        style.plot_path(axes, x, t[ring], good, color=colour, linewidth=1.7, label=label)
+    style.note_unconverged(axes, good)
     axes.set(ylabel="reaction t [kN/m], both sides", title="Vertical reaction by depth")
 
 

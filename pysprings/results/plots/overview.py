@@ -12,22 +12,8 @@ from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import ROUNDING, converged, load_sizes, settings
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture
-from pysprings.results.plots.style import (
-    DEG,
-    GREY,
-    INK,
-    MM,
-    MN,
-    PATH_COLOURS,
-    legend_beside,
-    new_figure,
-    plain,
-    plot_path,
-    set_title,
-    styled,
-    zero_lines,
-)
 from pysprings.springs.path import paths_of
 
 
@@ -45,7 +31,7 @@ def lateral_paths(tree: xr.DataTree, free_head: bool = False) -> list[LateralPat
     for name, path in paths_of(tree).items():
         if not path.is_vertical and path.n > 1:
             found.append((name, path.recorded, PATH_KINDS[path.kind].free_head))
-    colours = mpl.colormaps[PATH_COLOURS](np.linspace(0.05, 0.92, len(found)))
+    colours = mpl.colormaps[style.PATH_COLOURS](np.linspace(0.05, 0.92, len(found)))
     paths = [LateralPath(name, path, colour) for (name, path, _), colour in zip(found, colours, strict=True)]
     return [path for path, (*_, free) in zip(paths, found, strict=True) if free or not free_head]
 
@@ -58,25 +44,30 @@ def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y
     for name, path, colour in paths:
         line = "--" if path.attrs.get("role") == "held-back" else "-"
         across, up = path[x[0]].values * x[1], path[y[0]].values * y[1]
-        plot_path(axes, across, up, converged(path), color=colour, linestyle=line, label=plain(name), linewidth=1.5)
-    zero_lines(axes)
+        style.plot_path(
+            axes, across, up, converged(path), color=colour, linestyle=line, label=style.plain(name), linewidth=1.5
+        )
+    style.zero_lines(axes)
 
 
-@styled
+@style.styled
 def overview(tree: xr.DataTree) -> Figure:
     """Draw H [MN] against u [mm], and M [MN m] against rotation [deg], of all lateral paths of a result or springs."""
     paths = lateral_paths(tree)
-    figure = new_figure(9.6, 4.4)
+    figure = style.new_figure(9.6, 4.4)
     left, right = figure.subplots(1, 2)
-    draw_paths(left, [each for each in paths if np.ptp(each.data["u"].values) > 0], ("u", MM), ("H", MN))
+    draw_paths(left, [each for each in paths if np.ptp(each.data["u"].values) > 0], ("u", style.MM), ("H", style.MN))
     left.set(xlabel="lateral displacement u of the lid centre [mm]", ylabel="H [MN]", title="Load")
     draw_paths(
-        right, [each for each in paths if np.ptp(each.data["rotation"].values) > 0], ("rotation", DEG), ("M", MN)
+        right,
+        [each for each in paths if np.ptp(each.data["rotation"].values) > 0],
+        ("rotation", style.DEG),
+        ("M", style.MN),
     )
     right.set(xlabel="rotation [deg]", ylabel="M about the lid centre [MN m]", title="Moment")
-    set_title(figure, "All lateral paths (dashed: held back)", settings(tree))
+    style.set_title(figure, "All lateral paths (dashed: held back)", settings(tree))
     for axes in (left, right):
-        legend_beside(axes, 8.0)
+        style.legend_beside(axes, 8.0)
     return figure
 
 
@@ -94,7 +85,7 @@ PICTURE = Picture(
 LIMITS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine, over its life and after installation with it
 
 
-@styled
+@style.styled
 def tilt(tree: xr.DataTree, limits: Iterable[float] = LIMITS) -> Figure:
     """Draw H [MN] and M [MN m] against the size of the rotation [deg] on the free-head paths of a result or springs.
 
@@ -105,16 +96,16 @@ def tilt(tree: xr.DataTree, limits: Iterable[float] = LIMITS) -> Figure:
     limits
         Tilts [deg] that are marked; a limit far beyond the range is left out.
     """
-    figure = new_figure(9.6, 4.2)
+    figure = style.new_figure(9.6, 4.2)
     left, right = figure.subplots(1, 2)
     for axes, load, unit in ((left, "H", "MN"), (right, "M", "MN m")):
         draw_tilt(axes, tree, load, limits)
         axes.set_ylabel(f"size of {load} [{unit}]")
     left.set_title("Load")
     right.set_title("Moment about the lid centre")
-    set_title(figure, "Load against tilt, by height of the load", settings(tree))
+    style.set_title(figure, "Load against tilt, by height of the load", settings(tree))
     for axes in (left, right):
-        legend_beside(axes, 8.0)
+        style.legend_beside(axes, 8.0)
     return figure
 
 
@@ -122,11 +113,11 @@ def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] 
     """Draw the size of a load against the size of the rotation on given axes."""
     free = lateral_paths(tree, free_head=True)
     paths = [each._replace(name=_name(each.name, each.data), data=_sizes(each.data)) for each in free]
-    draw_paths(axes, paths, ("rotation", DEG), (load, MN))
-    largest = max((float(path["rotation"].max()) * DEG for _, path, _ in paths), default=0.0)
+    draw_paths(axes, paths, ("rotation", style.DEG), (load, style.MN))
+    largest = max((float(path["rotation"].max()) * style.DEG for _, path, _ in paths), default=0.0)
     shown = [limit for limit in limits if limit <= 1.5 * largest]
     for limit in shown:
-        axes.axvline(limit, color=INK, linewidth=1.0, linestyle=":", gid="limit", label="_limit")
+        axes.axvline(limit, color=style.INK, linewidth=1.0, linestyle=":", gid="limit", label="_limit")
         axes.annotate(f"{limit:g}°", (limit, 1.0), (-2, -2), xycoords=("data", "axes fraction"),
                       textcoords="offset points", va="top", ha="right", fontsize=8)  # fmt: skip
     axes.set_xlim(0.0, 1.05 * max([largest, *shown]) or 1.0)
@@ -142,7 +133,7 @@ def _sizes(path: xr.Dataset) -> xr.Dataset:
 def _name(name: str, path: xr.Dataset) -> str:
     if "arm_m" not in path.attrs or "arm_from_m" in path.attrs:
         return name
-    return plain(f"{name}: {float(path.attrs['arm_m']):.3g} m above")
+    return style.plain(f"{name}: {float(path.attrs['arm_m']):.3g} m above")
 
 
 TILT = Picture(
@@ -159,14 +150,14 @@ TILT = Picture(
 SMALLEST = 1e-9  # m or rad: a smaller motion has no secant
 
 
-@styled
+@style.styled
 def secant_stiffness(tree: xr.DataTree) -> Figure:
     """Draw H/u [MN/m] against u/D, and M/rotation [MN m/rad] against rotation [rad], of all lateral paths.
 
     The initial stiffness with the other motion held is a line. On a path with a free head the secant is below it: its
     head moves and turns.
     """
-    figure = new_figure(9.6, 4.8)
+    figure = style.new_figure(9.6, 4.8)
     left, right = figure.subplots(1, 2)
     diameter = float(tree.attrs.get("outer_diameter_m", np.nan))
     known = diameter if np.isfinite(diameter) else 1.0
@@ -176,7 +167,7 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     left.set(xlabel="u / D" if np.isfinite(diameter) else "u [m]", ylabel="H / u [MN/m]", title="Horizontal motion")
     draw_secant(right, tree, "M", "rotation", 1.0, least)
     right.set(xlabel="rotation [rad]", ylabel="M / rotation [MN m/rad]", title="Rotation")
-    set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree))
+    style.set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree))
     lines = {str(line.get_label()): line for axes in (left, right) for line in axes.get_lines()}
     named = {name: line for name, line in lines.items() if not name.startswith("_")}
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=5, fontsize=8)
@@ -194,14 +185,14 @@ def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: flo
         shown = converged(path) & farthest & (np.abs(x) > SMALLEST) & (x * y > 0.0) & (np.abs(y) > least)
         if shown.sum() > 1:
             line = "--" if path.attrs.get("role") == "held-back" else "-"
-            size, secant = np.abs(x[shown]) / over, MN * y[shown] / x[shown]
-            axes.plot(size, secant, line, color=colour, label=plain(name), linewidth=1.5)
+            size, secant = np.abs(x[shown]) / over, style.MN * y[shown] / x[shown]
+            axes.plot(size, secant, line, color=colour, label=style.plain(name), linewidth=1.5)
     axes.set_xscale("log")
     axes.set_ylim(bottom=0.0)
     if "stiffness_initial" in tree.dataset and tree.dataset["stiffness_initial"].shape == (3, 3):
         k = {"u": 0, "rotation": 2}[motion]
-        value = MN * float(tree.dataset["stiffness_initial"].values[k, k])
-        axes.axhline(value, color=GREY, linestyle=":", gid="initial", label="_initial")
+        value = style.MN * float(tree.dataset["stiffness_initial"].values[k, k])
+        axes.axhline(value, color=style.GREY, linestyle=":", gid="initial", label="_initial")
         axes.set_ylim(top=1.15 * max(value, axes.get_ylim()[1] / 1.15))
 
 

@@ -16,20 +16,8 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import driven
 from pysprings.results.analysis.parts import converged
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, depth_words, lateral_reaction, pick_depths, spread_depths
-from pysprings.results.plots.style import (
-    DEPTH_COLOURS,
-    GREY,
-    KN,
-    LEVEL_COLOURS,
-    MM,
-    new_figure,
-    note_unconverged,
-    plot_path,
-    set_title,
-    styled,
-    zero_lines,
-)
 from pysprings.springs.tip_zone import edge_rings
 
 MOST_CURVES = 8
@@ -37,7 +25,7 @@ EDGE_WORDS = "dotted: edge ring of the tip, whose p depends on the mesh; it does
 PANELS = {"net": "net (outside + inside)", "outside": "outside of the skirt", "inside": "inside of the skirt"}
 
 
-@styled
+@style.styled
 def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure:
     """Draw the lateral soil reaction p [kN/m] against the displacement y [mm] of the mean fibre, by depth.
 
@@ -48,17 +36,17 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
     depths
         Depths [m]; the nearest rings are drawn, and named in the title. Default: at most eight rings, evenly over it.
     """
-    figure = new_figure(9.6, 7.4)
+    figure = style.new_figure(9.6, 7.4)
     grid = figure.add_gridspec(2, 2, height_ratios=[1.25, 1.0])
     places = {"net": grid[0, :], "outside": grid[1, 0], "inside": grid[1, 1]}
     for side in lateral_reaction(path):
         if side in PANELS:
             draw_py(figure.add_subplot(places[side]), path, depths, side)
     for axes in figure.axes:
-        zero_lines(axes)
+        style.zero_lines(axes)
     handles, names = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside right center", title="depth")
-    set_title(
+    style.set_title(
         figure,
         "p-y curves by depth below mudline",
         path.attrs,
@@ -70,7 +58,7 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
 
 def depth_colours(n: int) -> list[Any]:
     """Return n colours from shallow (light) to deep (dark), readable on white and in grey print."""
-    return list(mpl.colormaps[DEPTH_COLOURS](np.linspace(0.12, 1.0, n)))
+    return list(mpl.colormaps[style.DEPTH_COLOURS](np.linspace(0.12, 1.0, n)))
 
 
 def draw_py(axes: Axes, path: xr.Dataset, depths: Iterable[float] | None = None, side: str = "net") -> None:
@@ -82,10 +70,12 @@ def draw_py(axes: Axes, path: xr.Dataset, depths: Iterable[float] | None = None,
     for ring, colour in zip(rings, depth_colours(len(rings)), strict=True):
         depth, line = float(path["depth"][ring]), ":" if edge[ring] else "-"
         name = f"{depth:.2f} m"
-        plot_path(axes, y[ring] * MM, p[ring] * KN, good, color=colour, linewidth=1.7, linestyle=line, label=name)
+        style.plot_path(
+            axes, y[ring] * style.MM, p[ring] * style.KN, good, color=colour, linewidth=1.7, linestyle=line, label=name
+        )
     within = [ring for ring in rings if not edge[ring]]
-    limits_without_edge(axes, p[within] * KN, "y")
-    note_unconverged(axes, good)
+    limits_without_edge(axes, p[within] * style.KN, "y")
+    style.note_unconverged(axes, good)
     axes.set(xlabel="displacement y of the mean fibre [mm]", ylabel="reaction p [kN/m]", title=PANELS[side])
 
 
@@ -117,7 +107,7 @@ def level_steps(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> dict[floa
     return {level: step for level, step in steps.items() if step != steps.get(levels[-1]) or level == levels[-1]}
 
 
-@styled
+@style.styled
 def profiles(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> Figure:
     """Draw p, m and t by depth at shares of the largest load, and p over its largest value at each depth.
 
@@ -130,7 +120,7 @@ def profiles(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> Figure:
     levels
         Shares of the largest load of the path.
     """
-    figure = new_figure(9.6, 4.4)
+    figure = style.new_figure(9.6, 4.4)
     panels = figure.subplots(1, 4, sharey=True)
     for axes, quantity in zip(panels, QUANTITIES, strict=True):
         draw_profile(axes, path, quantity, levels)
@@ -140,7 +130,7 @@ def profiles(path: xr.Dataset, levels: Sequence[float] = LEVELS) -> Figure:
     handles, names = panels[0].get_legend_handles_labels()
     if names:
         figure.legend(handles, names, loc="outside lower center", ncols=len(names))
-    set_title(figure, "Reactions by depth at load levels (hollow: edge ring of the tip)", path.attrs)
+    style.set_title(figure, "Reactions by depth at load levels (hollow: edge ring of the tip)", path.attrs)
     return figure
 
 
@@ -151,7 +141,7 @@ def draw_profile(axes: Axes, path: xr.Dataset, quantity: str = "p", levels: Sequ
     """
     steps, edge, depth = level_steps(path, levels), edge_rings(path), path["depth"].values
     values = _values(path, quantity, next(reversed(steps.values()), 0))
-    colours = mpl.colormaps[LEVEL_COLOURS](np.linspace(0.1, 1.0, max(len(steps), 1)))
+    colours = mpl.colormaps[style.LEVEL_COLOURS](np.linspace(0.1, 1.0, max(len(steps), 1)))
     for (level, step), colour in zip(steps.items(), colours, strict=False):
         word = f"{100 * level:.0f} % of the largest load"
         axes.plot(values[:, step], depth, "-", color=colour, label=word, linewidth=1.5)
@@ -159,7 +149,7 @@ def draw_profile(axes: Axes, path: xr.Dataset, quantity: str = "p", levels: Sequ
         axes.plot(values[edge, step], depth[edge], "o", color=colour, markerfacecolor="white", markersize=5,
                   label="_edge", gid="edge")  # fmt: skip
     limits_without_edge(axes, values[~edge][:, list(steps.values())], "x")
-    axes.axvline(0.0, color=GREY, linewidth=0.8, zorder=1)
+    axes.axvline(0.0, color=style.GREY, linewidth=0.8, zorder=1)
     axes.locator_params(axis="x", nbins=4)
     axes.set_xlabel(QUANTITIES[quantity])
     axes.set_ylim(float(path["depth_bounds"].values.max()), 0.0)
@@ -171,10 +161,10 @@ def _values(path: xr.Dataset, quantity: str, last: int) -> NDArray[np.float64]:
     """Return a quantity (depth, step) in the unit of its axis; `last` is the step up to which p is the largest."""
     if quantity in ("m", "t"):
         values: NDArray[np.float64] = path[quantity].sum("side").transpose("depth", "step").values
-        return KN * values
+        return style.KN * values
     p = lateral_reaction(path)["net"]
     if quantity == "p":
-        return KN * p
+        return style.KN * p
     largest = np.maximum.accumulate(np.abs(p), axis=1)[:, last]
     return np.abs(p) / np.where(largest > 0.0, largest, 1.0)[:, None]
 

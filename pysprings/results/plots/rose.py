@@ -19,26 +19,14 @@ from matplotlib.patches import Circle, Patch, Wedge
 from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, depth_words, pick_depths, step_text
-from pysprings.results.plots.style import (
-    DEG,
-    GREY,
-    INK,
-    KPA,
-    PALE,
-    SIDE_COLOURS,
-    STEEL,
-    VERMILLION,
-    new_figure,
-    set_title,
-    styled,
-)
 
 TRACE = 1.0  # drawn radius of the caisson: the circle of zero
 GAP_WIDTH = 0.12  # drawn width of the zones without contact
 FINER = 10  # drawn points per station
 TIMES = "\N{MULTIPLICATION SIGN}"
-GAP_LOOK: Any = {"facecolor": "#f6cfb9", "edgecolor": VERMILLION, "hatch": "////", "linewidth": 0.0}
+GAP_LOOK: Any = {"facecolor": "#f6cfb9", "edgecolor": style.VERMILLION, "hatch": "////", "linewidth": 0.0}
 DASHES: Any = {"outside": "-", "inside": "--"}
 
 
@@ -63,7 +51,7 @@ class Quantity:
 
     def words(self, value: float) -> str:
         """Return a value with its unit; without one over the initial stress."""
-        text = f"{value:.2g}" if self.normalised else f"{value * KPA:.3g} kPa"
+        text = f"{value:.2g}" if self.normalised else f"{value * style.KPA:.3g} kPa"
         return ("0" if self.normalised and abs(value) < 5e-4 else text).replace("-", "\N{MINUS SIGN}")
 
 
@@ -75,7 +63,7 @@ SHEAR = Quantity("shear_lateral", "Shear stress in the loading direction / initi
                  "positive", "shear", marks=(0.0, np.pi / 2.0, np.pi), places=("front", "side", "back"))  # fmt: skip
 
 
-@styled
+@style.styled
 def stress_rose(
     path: xr.Dataset, step: int | None = None, displacement: float | None = None,
     depths: Iterable[float] | None = None, side: str = "outside",
@@ -100,7 +88,7 @@ def stress_rose(
     return _rose(path, quantity, step, displacement, depths)
 
 
-@styled
+@style.styled
 def pressure_rose(
     path: xr.Dataset, step: int | None = None, displacement: float | None = None,
     depths: Iterable[float] | None = None, normalised: bool = False,
@@ -114,7 +102,7 @@ def pressure_rose(
     return _rose(path, PRESSURE_RATIO if normalised else PRESSURE, step, displacement, depths)
 
 
-@styled
+@style.styled
 def shear_rose(
     path: xr.Dataset, step: int | None = None, displacement: float | None = None,
     depths: Iterable[float] | None = None,
@@ -170,7 +158,7 @@ def _rose(
         largest = max(largest, 1.0)  # the circle of the initial value stays in view
     columns = min(2, len(chosen))
     rows = -(-len(chosen) // columns)
-    figure = new_figure(4.3 * columns, 4.1 * rows + 1.2)
+    figure = style.new_figure(4.3 * columns, 4.1 * rows + 1.2)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes in panels:
         axes.set_axis_off()
@@ -180,7 +168,7 @@ def _rose(
         axes.set_title(_words(float(path["depth"][k]), sides, quantity), loc="center", fontsize=9)
     gaps = quantity.normalised and any(ring.gaps() for sides in rings.values() for ring in sides.values())
     figure.legend(handles=_legend(quantity, largest, gaps), loc="outside lower center", ncols=2)
-    set_title(figure, quantity.title, path.attrs, f"at {step_text(path, step)}", depth_words(path, depths))
+    style.set_title(figure, quantity.title, path.attrs, f"at {step_text(path, step)}", depth_words(path, depths))
     return figure
 
 
@@ -190,15 +178,15 @@ def _frame(axes: Axes, quantity: Quantity, scale: float) -> None:
     reach = TRACE + quantity.reach + 0.1
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
     inner = TRACE - quantity.reach if quantity.signed else TRACE
-    axes.add_patch(Circle((0, 0), inner, facecolor=PALE, edgecolor="none", zorder=1))
+    axes.add_patch(Circle((0, 0), inner, facecolor=style.PALE, edgecolor="none", zorder=1))
     for radius in {inner, TRACE + quantity.reach} - {TRACE}:
-        axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=GREY, linestyle=":", linewidth=0.9, zorder=2))
-    axes.add_patch(Circle((0, 0), TRACE, fill=False, edgecolor=STEEL, linewidth=2.0, zorder=3))
+        axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=style.GREY, linestyle=":", linewidth=0.9, zorder=2))
+    axes.add_patch(Circle((0, 0), TRACE, fill=False, edgecolor=style.STEEL, linewidth=2.0, zorder=3))
     if not quantity.signed:
-        axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=INK, linestyle="--", linewidth=1.1,
+        axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=style.INK, linestyle="--", linewidth=1.1,
                               zorder=3))  # fmt: skip
     axes.annotate("", (TRACE - 0.64, 0), xytext=(-0.36, 0), zorder=6,
-                  arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.4})  # fmt: skip
+                  arrowprops={"arrowstyle": "-|>", "color": style.INK, "linewidth": 1.4})  # fmt: skip
 
 
 def _draw(axes: Axes, sides: Mapping[str, _Ring], quantity: Quantity, scale: float) -> None:
@@ -213,15 +201,15 @@ def _draw(axes: Axes, sides: Mapping[str, _Ring], quantity: Quantity, scale: flo
         place = np.arange(FINER * (turn.size - 1) + 1) / FINER
         angle = np.interp(place, np.arange(turn.size), turn)
         distance = TRACE + scale * np.interp(place, np.arange(turn.size), values)
-        axes.plot(distance * np.cos(angle), distance * np.sin(angle), color=SIDE_COLOURS[side],
+        axes.plot(distance * np.cos(angle), distance * np.sin(angle), color=style.SIDE_COLOURS[side],
                   gid=f"{quantity.gid}_{side}", linestyle=DASHES[side], linewidth=2.0, zorder=5)  # fmt: skip
 
 
 def _shade_gaps(axes: Axes, ring: _Ring, radius: float) -> None:
     for start, stop in ring.gaps():
         for low, high in ((start, stop), (2 * np.pi - stop, 2 * np.pi - start)):
-            axes.add_patch(Wedge((0, 0), radius + GAP_WIDTH, low * DEG, high * DEG, width=GAP_WIDTH, gid="gap",
-                                 **GAP_LOOK))  # fmt: skip
+            arc = low * style.DEG, high * style.DEG
+            axes.add_patch(Wedge((0, 0), radius + GAP_WIDTH, *arc, width=GAP_WIDTH, gid="gap", **GAP_LOOK))
 
 
 def _words(depth: float, sides: Mapping[str, _Ring], quantity: Quantity) -> str:
@@ -233,7 +221,7 @@ def _words(depth: float, sides: Mapping[str, _Ring], quantity: Quantity) -> str:
             text = "the initial stress is 0, no ratio"
         lines.append(f"{side}: {text}")
     if not quantity.signed:
-        lines.append(f"initial {KPA * float(np.mean([ring.initial for ring in sides.values()])):.3g} kPa")
+        lines.append(f"initial {style.KPA * float(np.mean([ring.initial for ring in sides.values()])):.3g} kPa")
     return "\n".join(lines)
 
 
@@ -242,12 +230,12 @@ def _legend(quantity: Quantity, largest: float, gaps: bool) -> list[Line2D | Pat
     words = f"{quantity.words(largest)}{unit} outward"
     words += f", {quantity.words(-largest)} inward" if quantity.signed else ""
     handles: list[Line2D | Patch] = [
-        Line2D([], [], color=SIDE_COLOURS[side], linestyle=DASHES[side], label=side) for side in quantity.sides
+        Line2D([], [], color=style.SIDE_COLOURS[side], linestyle=DASHES[side], label=side) for side in quantity.sides
     ]
-    handles.append(Line2D([], [], color=STEEL, linewidth=2.0, label="trace of the caisson = zero"))
+    handles.append(Line2D([], [], color=style.STEEL, linewidth=2.0, label="trace of the caisson = zero"))
     if not quantity.signed:
-        handles.append(Line2D([], [], color=INK, linestyle="--", linewidth=1.1, label="initial stress"))
-    handles.append(Line2D([], [], color=GREY, linestyle=":", label=words))
+        handles.append(Line2D([], [], color=style.INK, linestyle="--", linewidth=1.1, label="initial stress"))
+    handles.append(Line2D([], [], color=style.GREY, linestyle=":", label=words))
     return [*handles, Patch(label="no contact: $p'_N = 0$", **GAP_LOOK)] if gaps else handles
 
 

@@ -15,24 +15,13 @@ from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.analysis.parts import pick_step
+from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, caisson_size, step_text
-from pysprings.results.plots.style import (
-    INK,
-    KPA,
-    MM,
-    SIGNED_COLOURS,
-    SOIL,
-    STEEL,
-    VERMILLION,
-    new_figure,
-    set_title,
-    styled,
-)
 
 LID_SHARE = 0.05  # thickness of a drawn lid over the diameter, where the scene's is not known
 
 
-@styled
+@style.styled
 def mesh(section: xr.Dataset) -> Figure:
     """Draw the mesh in the symmetry plane with the caisson, whole and near the caisson.
 
@@ -42,7 +31,7 @@ def mesh(section: xr.Dataset) -> Figure:
         ``/section`` of a result: section_x, section_depth (section_node) [m] and section_quad
         (section_cell, corner).
     """
-    figure = new_figure(8.2, 8.4, compressed=True)
+    figure = style.new_figure(8.2, 8.4, compressed=True)
     whole, near = figure.subplots(2, 1, height_ratios=[1, 1.75])
     for axes in (whole, near):
         _draw_mesh(axes, section)
@@ -52,14 +41,14 @@ def mesh(section: xr.Dataset) -> Figure:
     whole.set_ylim(top=-1.6)
     left, right, top, bottom = _zoom(near, section, 1.6, 1.8)
     near.set_title("near the caisson (frame above)")
-    look: Any = {"fill": False, "edgecolor": VERMILLION, "linewidth": 1.5, "zorder": 6}
+    look: Any = {"fill": False, "edgecolor": style.VERMILLION, "linewidth": 1.5, "zorder": 6}
     whole.add_patch(Rectangle((left, top), right - left, bottom - top, **look))
     _load_arrow(near, section)
-    set_title(figure, "Mesh in the symmetry plane", section.attrs, _mesh_counts(section))
+    style.set_title(figure, "Mesh in the symmetry plane", section.attrs, _mesh_counts(section))
     return figure
 
 
-@styled
+@style.styled
 def section_displacement(
     section: xr.Dataset, path: xr.Dataset, step: int | None = None, displacement: float | None = None
 ) -> Figure:
@@ -75,17 +64,14 @@ def section_displacement(
         A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
     """
     step = pick_step(path, step, displacement)
-    figure = new_figure(8.2, 9.0, compressed=True)
+    figure = style.new_figure(8.2, 9.0, compressed=True)
     lateral, vertical = figure.subplots(2, 1)
     for axes, name, title in (
         (lateral, "section_ux", "lateral displacement of the soil, towards +x [mm]"),
         (vertical, "section_uz", "vertical displacement of the soil, down + [mm]"),
     ):
-        values = path[name].transpose("step", "section_node").values[step] * MM
+        values = path[name].transpose("step", "section_node").values[step] * style.MM
         _draw_field(axes, section, values)
-        _draw_caisson(axes, section)
-        _zoom(axes, section, 2.6, 2.4)
-        _label_axes(axes)
         axes.set_title(title)
     _load_arrow(lateral, section, path)
     factor = _draw_moved_caisson(lateral, section, path, step)
@@ -93,11 +79,11 @@ def section_displacement(
     elastic = path.attrs.get("caisson_behaviour") == "elastic"
     motion = "rigid motion of the lid's centre" if elastic else "caisson's motion"
     moved = f"dashed: the {motion}, {factor:g} times" if factor else ""
-    set_title(figure, f"Displacement in the symmetry plane at {step_text(path, step)}", path.attrs, moved)
+    style.set_title(figure, f"Displacement in the symmetry plane at {step_text(path, step)}", path.attrs, moved)
     return figure
 
 
-@styled
+@style.styled
 def section_pressure(
     section: xr.Dataset, path: xr.Dataset, step: int | None = None, displacement: float | None = None
 ) -> Figure:
@@ -113,14 +99,11 @@ def section_pressure(
         A step, or the lateral displacement [m] it should be nearest to; default the last converged step.
     """
     step = pick_step(path, step, displacement)
-    figure = new_figure(8.2, 5.4, compressed=True)
+    figure = style.new_figure(8.2, 5.4, compressed=True)
     axes = figure.subplots()
-    _draw_field(axes, section, path["section_pore_pressure"].isel(step=step).values * KPA, "kPa")
-    _draw_caisson(axes, section)
-    _zoom(axes, section, 2.6, 2.4)
-    _label_axes(axes)
+    _draw_field(axes, section, path["section_pore_pressure"].isel(step=step).values * style.KPA, "kPa")
     _load_arrow(axes, section, path)
-    set_title(figure, "Excess pore pressure in the symmetry plane", path.attrs, f"at {step_text(path, step)}")
+    style.set_title(figure, "Excess pore pressure in the symmetry plane", path.attrs, f"at {step_text(path, step)}")
     return figure
 
 
@@ -138,7 +121,7 @@ def triangles(section: xr.Dataset) -> NDArray[np.int64]:
 
 
 def _draw_mesh(axes: Axes, section: xr.Dataset) -> None:
-    cells = PolyCollection(list(quad_corners(section)), facecolor=SOIL, edgecolor="#9a8f78", linewidth=0.35)
+    cells = PolyCollection(list(quad_corners(section)), facecolor=style.SOIL, edgecolor="#9a8f78", linewidth=0.35)
     cells.set_gid("mesh")
     axes.add_collection(cells)
     axes.autoscale_view()
@@ -146,12 +129,13 @@ def _draw_mesh(axes: Axes, section: xr.Dataset) -> None:
 
 
 def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64], unit: str = "mm") -> None:
+    """Draw values at the nodes as colour with their contours, and the caisson, in its neighbourhood."""
     from matplotlib.tri import Triangulation
 
     grid = Triangulation(section["section_x"].values, section["section_depth"].values, triangles(section))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     size = max(high, -low, 1e-9)
-    shade = axes.tripcolor(grid, values, shading="gouraud", norm=Normalize(-size, size), cmap=SIGNED_COLOURS,
+    shade = axes.tripcolor(grid, values, shading="gouraud", norm=Normalize(-size, size), cmap=style.SIGNED_COLOURS,
                            rasterized=True)  # fmt: skip
     bar = axes.figure.colorbar(shade, ax=axes, label=unit, shrink=0.85, pad=0.02)
     levels = np.asarray(MaxNLocator(9).tick_values(low, high) if high > low else [])
@@ -159,6 +143,9 @@ def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64], un
         lines = axes.tricontour(grid, values, levels=levels, colors="black", linewidths=0.5, linestyles="solid")
         bar.add_lines(lines)
     axes.grid(False)
+    _draw_caisson(axes, section)
+    _zoom(axes, section, 2.6, 2.4)
+    _label_axes(axes)
 
 
 def caisson_polygon(section: xr.Dataset) -> NDArray[np.float64]:
@@ -172,7 +159,9 @@ def caisson_polygon(section: xr.Dataset) -> NDArray[np.float64]:
 def _draw_caisson(axes: Axes, section: xr.Dataset) -> None:
     outline = caisson_polygon(section)
     if np.isfinite(outline).all():
-        axes.add_patch(Polygon(outline, closed=True, facecolor=STEEL, edgecolor=STEEL, linewidth=1.0, zorder=4))
+        axes.add_patch(
+            Polygon(outline, closed=True, facecolor=style.STEEL, edgecolor=style.STEEL, linewidth=1.0, zorder=4)
+        )
         axes.patches[-1].set_gid("caisson")
 
 
@@ -186,7 +175,7 @@ def _draw_moved_caisson(axes: Axes, section: xr.Dataset, path: xr.Dataset, step:
         return 0.0
     exact = 0.15 * outline[:, 0].max() / largest
     factor = float(f"{exact:.0e}")  # one digit: a round number to read
-    axes.plot(*(outline + factor * motion).T, color=VERMILLION, linewidth=1.4, linestyle="--", zorder=7)
+    axes.plot(*(outline + factor * motion).T, color=style.VERMILLION, linewidth=1.4, linestyle="--", zorder=7)
     return factor
 
 
@@ -226,7 +215,7 @@ def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None)
         beyond = " (beyond the frame)" if -float(arm) < 0.75 * top else ""
         words = f"H at {float(arm):g} m above mudline{beyond}"
     axes.annotate("", (start + 0.32 * outer, depth), xytext=(start, depth), zorder=8,
-                  arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.6})  # fmt: skip
+                  arrowprops={"arrowstyle": "-|>", "color": style.INK, "linewidth": 1.6})  # fmt: skip
     text = axes.annotate(words, (start + 0.37 * outer, depth), va="center", ha="left", fontsize=9, zorder=8)
     text.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85})
 
