@@ -1,14 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Registries: named cases of one kind, such as exporters or pictures, to which other packages add theirs (light).
-
-A package adds a case by calling `register`, or by an entry point in the group of the registry:
-
-    [project.entry-points."pysprings.exporters"]
-    mine = "my_package.mine:EXPORTER"
-"""
+"""Registries: named cases of one kind, such as exporters or pictures, to which other packages add theirs (light)."""
 
 import re
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Generic, Protocol, TypeVar
@@ -30,22 +23,20 @@ Item = TypeVar("Item", bound=Named)
 
 
 class Registry(Generic[Item]):
-    """Cases of one kind by name, in order of registration; entry points load with the first access.
+    """Cases of one kind by name, in order of registration.
 
     Parameters
     ----------
     kind : What a case is, for messages: "exporter".
     items : Cases of this package.
-    group : Group of entry points; blank for none.
 
     Attributes
     ----------
-    built_in : Cases of this package; help texts list them, because they load no entry points.
+    built_in : Cases of this package.
     """
 
-    def __init__(self, kind: str, items: Iterable[Item] = (), group: str = "") -> None:
+    def __init__(self, kind: str, items: Iterable[Item] = ()) -> None:
         self.kind = kind
-        self._group = group
         self._items: dict[str, Item] = {}
         for item in items:
             self.register(item)
@@ -77,11 +68,9 @@ class Registry(Generic[Item]):
             self.remove(item.name)
 
     def __iter__(self) -> Iterator[Item]:
-        self._load_entry_points()
         return iter(tuple(self._items.values()))
 
     def __len__(self) -> int:
-        self._load_entry_points()
         return len(self._items)
 
     def __contains__(self, name: object) -> bool:
@@ -89,8 +78,6 @@ class Registry(Generic[Item]):
 
     def __getitem__(self, name: str) -> Item:
         """Return the case of a name; KeyError for an unknown one."""
-        if name not in self._items:
-            self._load_entry_points()
         return self._items[name]
 
     def names(self) -> list[str]:
@@ -104,17 +91,3 @@ class Registry(Generic[Item]):
         except KeyError:
             message = f"'{name}' is not one of {', '.join(self.names())}"
             raise refused(key, message) from None
-
-    def _load_entry_points(self) -> None:
-        """Register the cases of installed packages, once; warn of one that cannot be loaded."""
-        group, self._group = self._group, ""
-        if not group:
-            return
-        from importlib.metadata import entry_points
-
-        for point in entry_points(group=group):
-            try:
-                self.register(point.load())
-            except Exception as error:  # whatever another package raises must not stop this one
-                why = f"{type(error).__name__}: {error}"
-                warnings.warn(f"{self.kind} '{point.name}' ({point.value}) is left out: {why}", stacklevel=2)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Spring sets of the macro-model (light: what builds them is imported when it is asked for).
 
-Other packages call `SPRING_SETS.register`, or declare an entry point in the group `pysprings.spring_sets`.
+Other packages call `SPRING_SETS.register`.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ MEMORY = SpringSet(
     in_space=lambda springs: _space().SpaceSprings.of(springs),
 )
 
-SPRING_SETS: Registry[SpringSet] = Registry("spring set", (PY, PISA, FULL, FAN, MEMORY), group="pysprings.spring_sets")
+SPRING_SETS: Registry[SpringSet] = Registry("spring set", (PY, PISA, FULL, FAN, MEMORY))
 
 
 def with_stored(tree: xr.DataTree) -> xr.DataTree:

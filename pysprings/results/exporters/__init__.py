@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Files for other programs and people. A new exporter is one module here and one entry in `EXPORTERS`.
 
-Other packages call `EXPORTERS.register`, or declare an entry point in the group `pysprings.exporters`. Every exporter
-replaces a file only when the new one is whole. Heavy libraries load when an exporter is called.
+Other packages call `EXPORTERS.register`. Every exporter replaces a file only when the new one is whole. Heavy libraries
+load when an exporter is called.
 """
 
 from __future__ import annotations
@@ -44,7 +44,6 @@ EXPORTERS: Registry[Exporter] = Registry(
         calculix.CALCULIX,
         sacs.SACS,
     ),
-    group="pysprings.exporters",
 )
 
 PathLike = str | os.PathLike[str]

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Pictures of a run in reading order (`PICTURES`), and one of them by its name.
 
-A new picture is one module in this folder and one entry here. Other packages call `PICTURES.register`, or declare an
-entry point in the group `pysprings.pictures`.
+A new picture is one module in this folder and one entry here. Other packages call `PICTURES.register`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -57,7 +56,6 @@ PICTURES: Registry[Picture] = Registry(
         section.PRESSURE,
         newton.PICTURE,
     ),
-    group="pysprings.pictures",
 )
 
 

@@ -332,7 +332,6 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
         solution.GAPS,
         validity.COST,
     ),
-    group="pysprings.report_tables",
 )
 
 

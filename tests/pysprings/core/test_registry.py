@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Registries: names, order, unknown names, cases of other packages."""
 
-import importlib.metadata
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import pytest
@@ -15,9 +13,6 @@ from pysprings.core.registry import Registry
 @dataclass(frozen=True)
 class Case:
     name: str
-
-
-PLUGIN = Case("plugin")
 
 
 def test_cases_by_name_in_order() -> None:
@@ -51,23 +46,3 @@ def test_a_name_is_given_once() -> None:
         registry.register(Case("a"))
     registry.remove("a")
     assert registry.names() == [] and registry.register(Case("a")) == Case("a")
-
-
-def entry_points(monkeypatch: pytest.MonkeyPatch, values: Iterable[str]) -> None:
-    points = [importlib.metadata.EntryPoint(value.split(":")[1].lower(), value, "cases") for value in values]
-    monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: [p for p in points if p.group == group])
-
-
-def test_entry_points_of_other_packages(monkeypatch: pytest.MonkeyPatch) -> None:
-    entry_points(monkeypatch, [f"{__name__}:PLUGIN"])
-    registry = Registry("case", [Case("a")], group="cases")
-    assert registry.names() == ["a", "plugin"]
-    assert Registry("case", [Case("a")], group="cases")["plugin"] is PLUGIN
-    assert Registry("case", [Case("a")], group="others").names() == ["a"]
-
-
-def test_a_broken_entry_point_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    entry_points(monkeypatch, ["no_such_module:CASE", f"{__name__}:PLUGIN"])
-    registry = Registry("case", [Case("a")], group="cases")
-    with pytest.warns(UserWarning, match=r"case 'case' \(no_such_module:CASE\) is left out: ModuleNotFoundError"):
-        assert registry.names() == ["a", "plugin"]
