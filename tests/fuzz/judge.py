@@ -52,7 +52,7 @@ def run(kind: str, folder: Path, *args: object) -> Outcome:
     with warnings.catch_warnings(), watched(folder), time_limit(SECONDS):
         warnings.simplefilter("error")
         warnings.simplefilter("always", MacroWarning)
-        warnings.filterwarnings("always", message=".*written by another program")
+        warnings.filterwarnings("always", message=".*by another program")
         outcome = _invoked([str(arg) for arg in args])
     assert outcome.code in EXIT_CODES, (args, outcome.err)
     _clear(outcome)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees, their heads.
 
-A NetCDF file carries a checksum of its content (`pysprings.core.files.seal`), which is compared when it is opened.
+A NetCDF file carries a checksum of its bytes (`pysprings.core.files.seal`), which is compared when it is opened.
 Content that is too large by the file's header is rejected before a number is loaded: arrays that were never written
 take no room on a disk, whatever their size, and a file of 100 kB can ask for any memory.
 """
@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.errors import ResourceError, UserInputError, refused
-from pysprings.core.files.seal import ATTRIBUTE, bytes_hold, content_fault, seal
+from pysprings.core.files.seal import bytes_hold, seal
 from pysprings.core.process import uninterrupted
 
 _TEMPORARY = re.compile(r"\..+\.\d+\.tmp(\.\w+)?")
@@ -123,7 +123,7 @@ def _unwritable(path: Path, error: Exception) -> ResourceError:
 def _storable(dataset: xr.Dataset) -> xr.Dataset:
     """Return a copy without leftovers of an earlier file, with attributes that NetCDF can hold."""
     clean = dataset.drop_encoding()
-    clean.attrs = {str(name): _attribute(value) for name, value in dataset.attrs.items() if name != ATTRIBUTE}
+    clean.attrs = {str(name): _attribute(value) for name, value in dataset.attrs.items()}
     return clean
 
 
@@ -149,29 +149,19 @@ def _encoding(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     return encoding
 
 
-_CHANGED = {
-    "bytes": "the file is damaged: its bytes have changed since it was written",
-    "content": f"the file has been altered since it was written (remove its attribute {ATTRIBUTE} if that is meant)",
-}
-
-
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read a NetCDF-4 file into memory and close it; refuse what is not one with a clear message.
 
-    A file without a checksum (written by another program) is read with a warning.
+    A file without a checksum (written or changed by another program) is read with a warning.
 
-    Raises UserInputError: no such file, a folder, another format, a broken file, or one that has changed since it was
-    written.
+    Raises UserInputError: no such file, a folder, another format, a broken or damaged file.
     """
     _refuse_foreign(Path(path))
     try:
         whole = bytes_hold(path)
         if whole is False:
-            raise refused(None, _CHANGED["bytes"], path)
+            raise refused(None, "the file is damaged: its bytes have changed since it was written", path)
         judge_header(path)
-        fault = None if whole else content_fault(path)
-        if fault in _CHANGED:
-            raise refused(None, _CHANGED[fault], path)
         # seconds stay numbers: a duration is not a date
         with (
             uninterrupted(),
@@ -182,9 +172,9 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
         raise refused(None, f"broken or incomplete NetCDF file ({error})", path) from error
-    result.attrs.pop(ATTRIBUTE, None)
-    if fault:
-        warnings.warn(f"{path}: no {ATTRIBUTE}: written by another program, taken as it is", stacklevel=3)
+    if whole is None:
+        text = "no checksum at its end: written or changed by another program, taken as it is"
+        warnings.warn(f"{path}: {text}", stacklevel=3)
     return result
 
 
