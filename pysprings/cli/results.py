@@ -3,18 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.cli.inputs import read_springs
 from pysprings.cli.support import print_table, refuse
-from pysprings.core.columns import Column, Table
+from pysprings.core.columns import Table
 from pysprings.core.errors import printable
 from pysprings.core.files.written import WRITING
 from pysprings.core.text import number
-from pysprings.full_model.run_record import FILE, CutBack, PathFigures, RunRecord
+from pysprings.full_model.run_record import FILE, RunRecord
 from pysprings.results.layout import FIGURES, listed_pictures, run_files
 
 if TYPE_CHECKING:
@@ -70,7 +69,6 @@ def print_results(folder: Path, verbose: bool = False) -> None:
         print_paths(record)
     if verbose:
         print_balances(record)
-        print_phases(record)
     print_cost(record)
     print_estimate(record)
     if _has_springs(folder, record):
@@ -121,90 +119,35 @@ def _number_of_pictures(folder: Path) -> list[tuple[str, str]]:
     return [(str(folder / FIGURES), f"pictures: {len(pictures)}")] if pictures else []
 
 
-_NEWTON = (
-    Column("path", "path", words=True),
-    Column("status", "status", words=True),
-    Column("increments", "increments"),
-    Column("iterations", "iterations"),
-    Column("median", "median_iterations"),
-    Column("max", "max_iterations"),
-    Column("cut-backs", "cut_backs"),
-    Column("worst residual", "worst_residual"),
-    Column("last ratio", "last_residual_ratio"),
-    Column("order", "order_of_last_iterations"),
-)
-MOST_LINES = 12
+MOST_LINES = 12  # attempts that were given up
 
 
 def print_paths(record: RunRecord) -> None:
-    """Print Newton iterations by path, the place of each cut-back, and whether the contact pressure alternates."""
-    paths = record.paths
-    if not paths:
-        return
-    print()
-    print_table(Table.of(_NEWTON, ({"path": name, **asdict(path)} for name, path in paths.items())))
-    print("iterations: of accepted increments; median, max: per increment; last ratio: residual of the last iteration")
-    print("over the one before; order: of the last three residuals (2 is quadratic); both are medians over increments")
-    _print_cut_backs(paths)
-    rings = [f"{name}: {text}" for name, path in paths.items() if (text := ring_text(path.contact_rings))]
-    if rings:
-        print("\ncontact pressure from station to station around the rings of the skirt:")
-        print("\n".join(rings))
+    """Print iterations, attempts given up and the contact around the rings by path, as the report has them."""
+    from pysprings.results.report.solution import convergence_table, cut_back_table, ring_table
 
-
-def _print_cut_backs(paths: Mapping[str, PathFigures]) -> None:
-    """Print place and reason of each attempt that was given up; at most `MOST_LINES`."""
-    lines = [f"{name}: {_cut_back(each)}" for name, path in paths.items() for each in path.cut_backs_at]
-    if not lines:
-        return
-    print("\nattempts given up (cut-backs):")
-    print("\n".join(lines[:MOST_LINES]))
-    if len(lines) > MOST_LINES:
-        print(f"... and {len(lines) - MOST_LINES} more in run.json")
-
-
-def _cut_back(each: CutBack) -> str:
-    place = f" ({each.place})" if each.place else ""
-    at = f"at {100 * each.load_fraction:.4g} % of the {each.stage}"
-    return f"{at} after {each.iterations} iterations: {each.reason}{place}"
-
-
-def ring_text(rings: Mapping[str, Any] | None) -> str:
-    """Return the contact measure of `pysprings.full_model.record` as text; empty where nothing was measured."""
-    if not rings:
-        return ""
-    parts = [
-        f"{words} {rings[key]:.3g}" + (f" ({place})" if (place := rings[f"{key}_at"]) else "")
-        for key, words in (("alternation", "alternation"), ("second_difference", "largest second difference"))
-    ]
-    return f"{', '.join(parts)} of the ring's mean; open stations between two loaded ones: {rings['isolated_open']}"
+    lost = cut_back_table(record.paths)
+    if lost is not None and len(lost.rows) > MOST_LINES:
+        lost = replace(
+            lost, rows=lost.rows[:MOST_LINES], note=f"... and {len(lost.rows) - MOST_LINES} more in run.json"
+        )
+    _print_tables(convergence_table(record.paths), lost, ring_table(record.paths))
 
 
 def print_balances(record: RunRecord) -> None:
-    """Print the balances of water and energy at the end of each path, as the report has them."""
-    from pysprings.results.report.validity import energy_table, water_table
+    """Print the balances of water and energy at the end of each path, and the cost by phase, as the report has them."""
+    from pysprings.results.report.validity import energy_table, phase_table, water_table
 
-    for table in (water_table(record.paths), energy_table(record.paths)):
-        if table is not None:
-            print(f"\n{table.title}:")
-            print_table(table)
+    phases = phase_table(record) if record.phases else None
+    _print_tables(water_table(record.paths), energy_table(record.paths), phases)
+
+
+def _print_tables(*tables: Table | None) -> None:
+    for table in filter(None, tables):
+        print(f"\n{table.title}:")
+        print_table(table)
+        if table.note:
             print(table.note)
-
-
-_PHASES = (
-    Column("phase", "phase", words=True), Column("wall [s]", "wall_s", ".2f"), Column("CPU [s]", "cpu_s", ".2f"),
-)  # fmt: skip
-
-
-def print_phases(record: RunRecord) -> None:
-    """Print wall and CPU time by phase."""
-    phases = record.phases
-    if not phases:
-        return
-    rows: list[dict[str, Any]] = [{"phase": name, **time} for name, time in phases.items()]
-    rows.append({"phase": "total", "wall_s": record.wall_s or None, "cpu_s": record.cpu_s or None})  # 0: not recorded
-    print()
-    print_table(Table.of(_PHASES, rows))
 
 
 def print_cost(record: RunRecord) -> None:

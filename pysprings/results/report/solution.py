@@ -2,110 +2,90 @@
 """Tables of the solution: convergence by path, given-up attempts, contact, states at the end."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pysprings.core.columns import Table
+from pysprings.core.columns import Column, Table
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
-from pysprings.full_model.ring_measure import contact_alternation
 from pysprings.full_model.run_record import PathFigures
-from pysprings.results.analysis.parts import attempts, failed_steps, openings
+from pysprings.results.analysis.parts import openings
 from pysprings.results.report.inputs import ReportTable
-from pysprings.springs.path import paths_of
+
+_PATH = Column("path", "path", words=True)
+_CONVERGENCE = (
+    _PATH,
+    Column("status", "status", words=True),
+    Column("increments", "increments"),
+    Column("iterations", "iterations"),
+    Column("median", "median_iterations"),
+    Column("most", "max_iterations"),
+    Column("cut-backs", "cut_backs"),
+    Column("worst residual", "worst_residual"),
+    Column("last ratio", "last_residual_ratio"),
+    Column("order", "order_of_last_iterations"),
+)
 
 
-def convergence_table(result: xr.DataTree, figures: Mapping[str, PathFigures] = MappingProxyType({})) -> Table:
-    """Count increments, iterations and cut-backs by path, with the worst residual that was accepted."""
-    rows = [(name, *_convergence_row(result[f"paths/{name}"], figures.get(name))) for name in paths_of(result)]
-    columns = (
-        "path",
-        "increments",
-        "iterations, median",
-        "most",
-        "total",
-        "attempts given up (cut-backs)",
-        "at [% of the path]",
-        "worst accepted residual",
-        "order of the last iterations",
-    )
+def convergence_table(figures: Mapping[str, PathFigures]) -> Table | None:
+    """Return the table of increments, iterations and cut-backs by path; None without a record."""
+    rows = [{"path": name, **asdict(path)} for name, path in figures.items()]
     note = (
-        "Residual: out-of-balance forces over contact forces, by norm. Total: given-up attempts too. "
-        "Order 2 is quadratic convergence."
+        "Residual: out-of-balance forces over contact forces, by norm; the worst that was accepted. Iterations: of "
+        "accepted increments; median, most: per increment; last ratio: residual of the last iteration over the one "
+        "before; order: of the last three residuals (2 is quadratic); both are medians over increments."
     )
-    return Table("Convergence", columns, rows, note, wide=True)
+    return Table.of(_CONVERGENCE, rows, "Convergence", note, wide=True) if rows else None
 
 
-def _convergence_row(path: Any, summary: PathFigures | None) -> list[str]:
-    if "convergence" not in path.children or not path["convergence"].sizes.get("iteration", 0):
-        return ["not recorded"] * 8
-
-    record = path["convergence"].to_dataset(inherit=False)
-    tries = attempts(record, failed_steps(path.to_dataset(), record))
-    accepted = [each for each in tries if each.accepted]
-    lost = [each for each in tries if not each.accepted]
-    counts = [each.iterations for each in accepted] or [0]
-    residual, fraction = record["residual"].values, record["load_fraction"].values
-    worst = max((float(residual[each.rows[-1]]) for each in accepted), default=float("nan"))
-    return [
-        number(len(accepted)),
-        number(float(np.median(counts))),
-        number(max(counts)),
-        number(sum(each.iterations for each in tries)),
-        number(len(lost)),
-        ", ".join(f"{100 * float(fraction[each.rows[-1]]):.3g}" for each in lost) or "-",
-        number(worst, 2),
-        number((summary and summary.order_of_last_iterations) or "-", 3),
-    ]
-
-
-def _at(place: str) -> str:
-    return f" ({place})" if place else ""
+_CUT_BACKS = (
+    _PATH,
+    Column("at", lambda row: f"{100 * row['load_fraction']:.4g} % of the {row['stage']}", words=True),
+    Column("iterations", "iterations"),
+    Column("reason", "reason", words=True),
+    Column("largest residual at", lambda row: row["place"] or "-", words=True),
+    Column("last residuals", lambda row: row["last_residuals"] or None, 2),
+)
 
 
 def cut_back_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """List the attempts that were given up: path, place in the load and in the model, reason; None without any."""
-    rows = [
-        (
-            name, f"{100 * each.load_fraction:.4g} % of the {each.stage}", number(each.iterations),
-            each.reason, each.place or "-",
-            ", ".join(number(value, 2) for value in each.last_residuals) or "-",
-        )
-        for name, path in figures.items()
-        for each in path.cut_backs_at
-    ]  # fmt: skip
-    columns = ("path", "at", "iterations", "reason", "largest residual at", "last residuals")
+    rows = [{"path": name, **asdict(each)} for name, path in figures.items() for each in path.cut_backs_at]
     note = "The load step was halved after each of these attempts and taken again."
-    return Table("Attempts given up (cut-backs)", columns, rows, note, wide=True) if rows else None
+    return Table.of(_CUT_BACKS, rows, "Attempts given up (cut-backs)", note, wide=True) if rows else None
 
 
-def ring_table(paths: Mapping[str, xr.Dataset]) -> Table:
-    """State, path by path, whether contact pressure and opening alternate around the rings of the skirt."""
-    rows = []
-    for name, path in paths.items():
-        alternation = contact_alternation(path)
-        if alternation is None:
-            rows.append((name, *["not measured: interface fields were not kept"] * 3))
-            continue
-        rows.append(
-            (
-                name,
-                number(alternation["alternation"], 3) + _at(alternation["alternation_at"]),
-                number(alternation["second_difference"], 3) + _at(alternation["second_difference_at"]),
-                f"{alternation['isolated_open']} of {alternation['stations']} stations",
-            )
-        )
-    columns = ("path", "alternation", "largest second difference", "open stations between two loaded ones")
+def _with_place(rings: Mapping[str, Any], name: str) -> str:
+    place = rings[f"{name}_at"]
+    return number(rings[name], 3) + (f" ({place})" if place else "")
+
+
+_RINGS = (
+    _PATH,
+    Column("alternation", lambda row: _with_place(row, "alternation"), words=True),
+    Column("largest second difference", lambda row: _with_place(row, "second_difference"), words=True),
+    Column(
+        "open stations between two loaded ones", lambda row: f"{row['isolated_open']} of {row['stations']}", words=True
+    ),
+)
+
+
+def ring_table(figures: Mapping[str, PathFigures]) -> Table | None:
+    """State, path by path, whether contact pressure and opening alternate around the rings of the skirt.
+
+    None where interface fields were not kept.
+    """
+    rows = [{"path": name, **path.contact_rings} for name, path in figures.items() if path.contact_rings]
     note = (
         "Normal effective stress at neighbouring stations of a ring (one side, one depth), over the ring's mean "
         "(now or at the start, the larger); largest over all steps. Second difference: p(i-1) - 2 p(i) + p(i+1); "
         "it also sees real curvature and the edge of an open zone. Alternation: the smallest of three that "
         "follow each other with signs in turn; a swing of s from point to point gives 4 s."
     )
-    return Table("Contact from station to station", columns, rows, note)
+    return Table.of(_RINGS, rows, "Contact from station to station", note) if rows else None
 
 
 def end_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
@@ -183,9 +163,9 @@ def _opening(opening: Any) -> str:
     return f"{opening.width * 1e3:.3g} mm at {opening.place}"
 
 
-CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.result, data.figures)])
+CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.figures)])
 CUT_BACKS = ReportTable("cut-backs", "checks", lambda data: [cut_back_table(data.figures)])
-RINGS = ReportTable("rings", "checks", lambda data: [ring_table(data.paths)])
+RINGS = ReportTable("rings", "checks", lambda data: [ring_table(data.figures)])
 END = ReportTable("end", "capacity", lambda data: [end_table(data.paths)])
 TILT = ReportTable("tilt", "tilt", lambda data: [tilt_table(data.paths)])
 GAPS = ReportTable("gaps", "checks", lambda data: [opening_table(data.paths)])

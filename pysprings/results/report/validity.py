@@ -2,6 +2,7 @@
 """For what the numbers of a run hold: balances, calibrated ranges, measured errors, estimated errors."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -92,12 +93,7 @@ def cost_tables(run: RunRecord | None) -> list[Table]:
     """Return the tables of the cost of a run: seconds by phase, then totals; none without a record."""
     if run is None:
         return []
-    tables = []
-    if run.phases:
-        keys = list(dict.fromkeys(key for value in run.phases.values() for key in value))
-        rows = [[name, *(number(value.get(key, "-"), 3) for key in keys)] for name, value in run.phases.items()]
-        tables.append(Table("Cost by phase", ["phase", *(_words(key) for key in keys)], rows))
-    solver = run.solver
+    tables, solver = [phase_table(run)] if run.phases else [], run.solver
     figures: dict[str, float | None] = {
         "wall time [s]": run.wall_s,
         "processor time [s]": run.cpu_s,
@@ -113,8 +109,17 @@ def cost_tables(run: RunRecord | None) -> list[Table]:
     return tables
 
 
-def _words(key: str) -> str:
-    return {"wall_s": "wall [s]", "cpu_s": "processor [s]"}.get(key, key.replace("_", " "))
+_PHASES = (
+    Column("phase", "phase", words=True), Column("wall [s]", "wall_s", ".2f"),
+    Column("processor [s]", "cpu_s", ".2f"), Column("calls", "calls"),
+)  # fmt: skip
+
+
+def phase_table(run: RunRecord) -> Table:
+    """Return the table of wall and processor seconds by phase, and in all."""
+    rows: list[dict[str, Any]] = [{"phase": name, **spent} for name, spent in run.phases.items()]
+    rows.append({"phase": "total", "wall_s": run.wall_s or None, "cpu_s": run.cpu_s or None})  # 0: not recorded
+    return Table.of(filled(_PHASES, rows), rows, "Cost by phase")
 
 
 COST = ReportTable("cost", "cost", lambda data: cost_tables(data.run))

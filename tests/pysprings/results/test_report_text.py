@@ -27,6 +27,10 @@ CUT_BACK = {
     "stage": "dead load", "load_fraction": 0.0625, "reason": "the residual stalls", "place": "node 7, direction z",
     "iterations": 9, "last_residuals": [0.0123, 0.5],
 }  # fmt: skip
+RINGS = {
+    "alternation": 0.9142, "alternation_at": "outside, azimuth 90°", "second_difference": 1.8512,
+    "second_difference_at": "", "isolated_open": 1, "stations": 442,
+}  # fmt: skip
 RUN = RunRecord.from_dict({
     "status": "partial",
     "started_utc": "2020-01-02T03:04:05Z",
@@ -47,11 +51,13 @@ RUN = RunRecord.from_dict({
     ],
     "paths": {
         "pull": {
+            "status": "partial", "increments": 7, "iterations": 27, "median_iterations": 3.0, "max_iterations": 5,
+            "cut_backs": 2, "worst_residual": 5e-8, "last_residual_ratio": 0.0123,
             "order_of_last_iterations": 1.98, "cut_backs_at": [CUT_BACK], "water": WATER,
             "energy": {f"{name}_J": 1e3 * (k + 2) for k, name in enumerate(ENERGY)}
             | {"imbalance_over_largest_term": 4e-9},
         },
-        "turn": {"cut_backs_at": [{**CUT_BACK, "place": "", "last_residuals": []}]},
+        "turn": {"cut_backs_at": [{**CUT_BACK, "place": "", "last_residuals": []}], "contact_rings": RINGS},
     },
     "error_estimate": {
         "unknowns": [4000, 1500], "cell_ratio": 1.3867, "safety": 1.5, "order": {"load_max": 1.7, "py_rms": 1.2},
