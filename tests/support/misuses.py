@@ -210,11 +210,6 @@ CASES = (
     _m("factor that raises the strength", "capacity tight.toml --factor 0.8", "expected a number from 1 to 5"),
 )
 MISUSES = (*LOADS, *DIRECTIONS, *VERTICAL, *WORDS, *FILES, *SCENES, *CASES)
-CHAPTERS = {
-    "Loads and motions": LOADS, "Directions and springs": DIRECTIONS, "Vertical loads": VERTICAL,
-    "Quantities and options": WORDS, "Files": FILES, "Scenes": SCENES,
-    "Load cases, capacity, studies": CASES,
-}  # fmt: skip
 
 _TABLE = "depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m\n"
 _PULL = '[[path]]\nname = "pull"\nkind = "pull"\nlateral_displacement = "5 mm"\n'
