@@ -18,7 +18,7 @@ from pysprings.full_model.discretise import make_engine
 from pysprings.model.forecast import domain_effect
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import FRICTIONAL, PRESETS
-from pysprings.scene.load import Scene
+from pysprings.scene.model import Scene
 from pysprings.scene.sections import PAPER_SOIL
 
 DIAMETER = 8.0  # m

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pysprings.scene.load import Scene, load_scene, parse_scene
+from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.model import Scene
 from pysprings.scene.sections import PAPER_SOIL
 from pysprings.scene.template import template_text
 

@@ -22,7 +22,8 @@ from pysprings.full_model.accuracy.curves import curves_of, samples
 from pysprings.full_model.compute import compute
 from pysprings.model import fourier_mesh
 from pysprings.model.fourier_mesh import SectionCounts, ground_of_sections
-from pysprings.scene.load import Scene, parse_scene
+from pysprings.scene.load import parse_scene
+from pysprings.scene.model import Scene
 from pysprings.scene.template import template_text
 
 FILE = Path(__file__).parents[1] / "data" / "evidence" / "sections.csv"

@@ -15,8 +15,8 @@ from .macro.stiffness import stiffness_six as stiffness_six
 from .results import plots as plots
 from .results.layout import open_result as open_result
 from .results.tables import open_table as open_table
-from .scene.load import Scene as Scene
 from .scene.load import load_scene as load_scene
+from .scene.model import Scene as Scene
 from .springs.checks import open_springs as open_springs
 from .springs.extract import extract_springs as extract_springs
 from .springs.springs import Springs as Springs

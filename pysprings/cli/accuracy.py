@@ -12,7 +12,7 @@ from pysprings.core.errors import RunIncomplete
 from pysprings.core.progress import reporter
 from pysprings.full_model.accuracy import presets
 from pysprings.full_model.accuracy.presets import settings
-from pysprings.scene.load import Scene
+from pysprings.scene.model import Scene
 from pysprings.studies.accuracy import rows, runs, study
 from pysprings.studies.accuracy.rows import StudyResult
 

@@ -17,7 +17,7 @@ from pysprings.cli.support import print_json, to_stderr
 from pysprings.core import jit
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 def compile(  # the name of the command

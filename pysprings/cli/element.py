@@ -19,7 +19,7 @@ from pysprings.core.words import ElementTest
 
 if TYPE_CHECKING:
     from pysprings.scene.ground import Stratum
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
     from pysprings.studies.element.data import LabTest
     from pysprings.studies.element.fit import Fit
     from pysprings.studies.element.study import Outcome

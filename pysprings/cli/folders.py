@@ -15,7 +15,7 @@ from pysprings.core.files.written import is_unfinished
 
 if TYPE_CHECKING:
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 @contextmanager

@@ -35,7 +35,7 @@ from pysprings.core.files.written import is_unfinished
 from pysprings.core.words import FigureFormat, Figures
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 Stopped = RunIncomplete | ResourceError | KeyboardInterrupt | None
 

@@ -17,7 +17,7 @@ from pysprings.core.text import number
 from pysprings.scene.template import template_names
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 # Entries of a description whose name needs a unit or more words
 LABELS = {

@@ -40,7 +40,7 @@ from pysprings.full_model.work import factorise_and_solve_seconds, prepare
 from pysprings.model.forecast.resources import jobs_for, refuse_what_cannot_fit
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)

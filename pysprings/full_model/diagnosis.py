@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from fe_engine.assembly.system import System
     from fe_engine.solve.stepping import Driver, Position
     from fe_engine.state import State
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 # A caisson under a given load is at its limit where this share of its initial stiffness is left
 _LIMIT = 0.02

@@ -26,7 +26,7 @@ from pysprings.model.fourier import BuiltFourier
 
 if TYPE_CHECKING:
     from pysprings.full_model.work import Whole, Work
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)

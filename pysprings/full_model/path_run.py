@@ -31,7 +31,8 @@ from pysprings.model.stages import dead_load_stage, path_stages
 from pysprings.model.water import undrained_time
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Path, Scene
+    from pysprings.scene.model import Scene
+    from pysprings.scene.sections import Path
 
 # A vertical path has come to its limit load where an increment fails and dV/dw is less than this share of that at rest.
 # Beyond, contact under the lid opens and closes from step to step, and V changes by 1 % at the most.

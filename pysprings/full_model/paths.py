@@ -34,7 +34,8 @@ from pysprings.model.stages import large_motion, viscous_displacement
 from pysprings.springs.path_ends import end_attrs
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Path, Scene
+    from pysprings.scene.model import Scene
+    from pysprings.scene.sections import Path
 
 
 def run_paths(work: Work, loaded: Loaded, workers: Workers | None) -> None:

@@ -41,7 +41,8 @@ from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Path, Scene
+    from pysprings.scene.model import Scene
+    from pysprings.scene.sections import Path
 
 _ROUNDING = 1e-5  # share of the stiffness by which a linear solver may leave it unsymmetric
 

@@ -27,7 +27,7 @@ from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)

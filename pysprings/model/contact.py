@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from fe_engine.elements.interface import Stations
     from fe_engine.fourier_model import FourierModel
     from fe_engine.model import Model
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
 _BELOW = 1.0e-6  # m

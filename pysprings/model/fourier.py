@@ -36,7 +36,7 @@ from pysprings.model.steel import SteelRings, add_steel, make_steel_rings
 from pysprings.model.water import make_series_water
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 SIDES = {"outside": "outer", "inside": "inner"}
 

@@ -18,7 +18,7 @@ from pysprings.model.mesh import Geometry, PlaneCounts, counted, depths, outside
 from pysprings.model.steel import PATCH
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)

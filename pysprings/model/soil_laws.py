@@ -14,7 +14,7 @@ from pysprings.scene.ground import Stratum
 from pysprings.scene.soils import SOIL_LAWS
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 
 def engine_laws(scene: Scene) -> list[SoilLaw]:

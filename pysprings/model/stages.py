@@ -20,7 +20,8 @@ from pysprings.scene.soils import SOIL_LAWS
 if TYPE_CHECKING:
     from fe_engine.fourier_model import SectionMesh
     from fe_engine.mesh import Mesh
-    from pysprings.scene.load import Path, Scene
+    from pysprings.scene.model import Scene
+    from pysprings.scene.sections import Path
 
 # The first step is this fraction of the diameter (0.02 mm for 7.8 m): well inside first yield and first slip,
 # where most points switch regime and nothing can be extrapolated yet. In a soil that yields earlier than sand it is

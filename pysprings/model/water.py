@@ -18,7 +18,7 @@ from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import SURFACES, CaissonMesh
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 # An undrained path lasts this share of the time in which water crosses the smallest cell: nothing flows.
 _UNDRAINED = 1.0e-6

@@ -39,7 +39,7 @@ from pysprings.springs.sums import balance
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 T = TypeVar("T")
 NOT_YET = "not made yet"

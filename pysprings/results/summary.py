@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load

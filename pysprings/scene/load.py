@@ -42,24 +42,6 @@ from pysprings.scene.sections import (
 )
 from pysprings.scene.soils.cyclic import CYCLIC, read_files, titled
 
-__all__ = [
-    "Caisson",
-    "Design",
-    "Domain",
-    "Drainage",
-    "Interface",
-    "Limit",
-    "Mesh",
-    "Output",
-    "Path",
-    "Scene",
-    "Soil",
-    "Solver",
-    "Springs",
-    "load_scene",
-    "parse_scene",
-]
-
 MAX_BYTES = 256 * 1024
 
 SECTIONS: dict[str, type[Section]] = {

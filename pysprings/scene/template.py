@@ -18,12 +18,12 @@ FILE_NAME = "pysprings.schema.json"
 
 def scene_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 7) of a scene file."""
-    from pysprings.scene import load, toml
+    from pysprings.scene import load, model, toml
 
-    title = load.Scene.model_fields["title"]
+    title = model.Scene.model_fields["title"]
     properties: dict[str, Any] = {"title": {**toml.field_of(title).schema(), "default": title.default}}
-    for name, model in load.SECTIONS.items():
-        table = _table(model)
+    for name, section in load.SECTIONS.items():
+        table = _table(section)
         properties[name] = {"type": "array", "minItems": 1, "items": table} if name == "path" else table
     return {
         "$schema": "http://json-schema.org/draft-07/schema#",

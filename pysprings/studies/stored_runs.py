@@ -17,7 +17,7 @@ from pysprings.springs.checks import RESULT
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 RUNS = "runs"  # folder of the runs' folders
 _TAKEN_UP = 0.3  # a run whose first news is beyond this share has not come so far in this call

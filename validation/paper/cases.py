@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 _DEG = math.pi / 180.0
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -54,7 +54,7 @@ class Case:
         fields_only : keep contact fields but neither the symmetry plane nor pictures.
         """
         from pysprings.scene.extent import PAPER
-        from pysprings.scene.load import Scene
+        from pysprings.scene.model import Scene
         from pysprings.scene.sections import PAPER_SOIL
 
         stops = tuple(u / 1e3 for u in self.stops_mm if u / 1e3 < self.end)

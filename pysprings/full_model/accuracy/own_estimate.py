@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from pysprings.core.progress import Progress
     from pysprings.full_model.checkpoint import Checkpoints
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 Compute = Callable[..., Computed]
 PHASE = "error estimate"  # also its name among the parts of a run that were not made

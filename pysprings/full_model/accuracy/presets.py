@@ -16,7 +16,7 @@ from pysprings.core.words import Discretisation
 from pysprings.full_model.accuracy.target import JUDGED
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 PRESETS = ("coarse", "medium", "paper", "fine")
 FINEST_FACTOR, COARSEST_FACTOR = 8.0, 0.25
@@ -130,7 +130,7 @@ def _variations(
 def _unknowns(setting: Setting) -> int:
     """Return the unknowns of a mesh, by which presets and factors are ordered; of the paper's caisson."""
     from pysprings.model.forecast.resources import size_of
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
     from pysprings.scene.sections import PAPER_SOIL
 
     return size_of(setting.scene(Scene(soil=PAPER_SOIL))).unknowns

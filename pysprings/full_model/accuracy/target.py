@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core.text import percent
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 START = {"5%": "coarse", "2%": "medium", "1%": "paper", "0.5%": "fine"}
 TARGETS = {word: float(word.rstrip("%")) for word in START}  # %

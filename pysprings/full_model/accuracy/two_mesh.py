@@ -38,7 +38,7 @@ from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURI
 from pysprings.springs.path import paths_of, space_paths_of
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 FACTOR = {BRICKS: 0.7, FOURIER: 0.6}
 # Without an order of its own: that of stresses in linear elements, which the singularity at the tip does not let pass.

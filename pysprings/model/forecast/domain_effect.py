@@ -21,7 +21,7 @@ import numpy as np
 from pysprings.core.units import show
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 TABLE = Path(__file__).with_name("domain_table.json")
 SIDES = ("roller", "fixed")

@@ -31,7 +31,7 @@ from pysprings.scene.interface import adhesion_factor, uses_adhesion
 from pysprings.scene.soils.cyclic import CYCLIC
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 MOST_NAMED = 5  # load cases of a warning
 

@@ -23,7 +23,7 @@ from pysprings.scene.sections import Soil
 from pysprings.scene.soils import SOIL_LAWS
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 COUNTS, LAWS, MEASURED = "counts of this mesh", "counts of this mesh and fitted laws", "measured on coarse meshes"
 

@@ -40,7 +40,7 @@ from pysprings.model.steel import make_steel_rings, patch, with_rings
 from pysprings.model.water import drained_corners, film_corners, fixed_film
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 # Fitted on the presets coarse, medium and paper (4,600 to 52,000 unknowns, 71,000 with water) with Pardiso on two
 # cores: entries of the LU factors; water has more of them for each unknown, and scaled copies of its matrix. Given

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pysprings.scene.ground import Ground
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 MPA, DEGREES = 1e-6, 180.0 / np.pi
 _DEEPEST = 2.5  # skirt lengths that are drawn

@@ -22,7 +22,7 @@ from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, r
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 WARM_UP = "warm-up"
 _WARM_UP: dict[str, dict[str, Any]] = {

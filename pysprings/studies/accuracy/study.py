@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from pysprings.core.progress import Progress
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 _COSTS = (
     Column("setting", "name", words=True),

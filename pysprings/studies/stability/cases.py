@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pysprings.scene.load import Scene
+    from pysprings.scene.model import Scene
 
 REACH = 20e-3  # m
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -47,7 +47,7 @@ class Case:
         Raises UserInputError or ValueError where the input is refused.
         """
         from pysprings.scene.extent import PAPER
-        from pysprings.scene.load import Scene
+        from pysprings.scene.model import Scene
         from pysprings.scene.sections import PAPER_SOIL
 
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"

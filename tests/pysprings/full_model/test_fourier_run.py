@@ -24,7 +24,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
 from pysprings.model.stages import path_stages
 from pysprings.scene.extent import PAPER
-from pysprings.scene.load import Scene
+from pysprings.scene.model import Scene
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny

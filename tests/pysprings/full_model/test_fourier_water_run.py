@@ -23,7 +23,7 @@ from pysprings.model.fourier import build_fourier
 from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 from pysprings.scene.extent import PAPER
-from pysprings.scene.load import Scene
+from pysprings.scene.model import Scene
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny

@@ -7,7 +7,7 @@ import xarray as xr
 
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import Computed
-from pysprings.scene.load import Scene
+from pysprings.scene.model import Scene
 from pysprings.studies.stability.cases import CASES
 from tests.support import tiny
 

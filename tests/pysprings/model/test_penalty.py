@@ -6,7 +6,7 @@ import pytest
 from fe_engine.contact.coulomb import KN
 from pysprings.model.build import build_model
 from pysprings.model.contact import AUTO, STIFFEST, penalty_of
-from pysprings.scene.load import Scene
+from pysprings.scene.model import Scene
 from tests.support import tiny
 
 

@@ -8,7 +8,8 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.model.element import KINDS, element_test, specimen
-from pysprings.scene.load import Scene, load_scene, parse_scene
+from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.model import Scene
 from pysprings.springs.path import paths_of
 from tests.support import tiny
 from tests.support.commands import command

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pysprings.core.errors import UserInputError
-from pysprings.scene.load import MAX_BYTES, Scene, load_scene
+from pysprings.scene.load import MAX_BYTES, load_scene
+from pysprings.scene.model import Scene
 from pysprings.scene.template import template_text
 from tests.support import tiny
 
