@@ -116,7 +116,7 @@ def fine() -> None:
     """Print the cost of the paper's pull to 2.5 mm on `fine`, and its cost per unknown beside that of `paper`."""
     runs = {mesh: record(mesh, 2.5 * MM) for mesh in ("paper", FINE)}
     for mesh, run in runs.items():
-        print(text_of(f"{mesh}, {run['mesh']['nodes']:,} nodes", run), flush=True)
+        print(text_of(f"{mesh}, {run.mesh.nodes:,} nodes", run), flush=True)
     print(f"cost per unknown: {cost_per_unknown(runs[FINE], runs['paper']):.2f} times that of paper")
 
 

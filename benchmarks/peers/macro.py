@@ -71,14 +71,14 @@ def _own(source: Source):
 
 
 def _opensees(source: Source, folder: Path) -> tuple[list[float], float, float]:
-    export(source, "opensees", folder, points=POINTS, torsion=1e9)
+    export(source, "opensees", folder, points=POINTS)
     script = ["caisson_opensees.py", str(H), str(ARM)]
     text, *cost = timed([sys.executable, "-c", OPENSEES, *script], folder)
     return json.loads(text.strip().splitlines()[0]), cost[0], cost[1]
 
 
 def _calculix(source: Source, folder: Path) -> tuple[list[float], float, float]:
-    export(source, "calculix", folder, points=POINTS, torsion=1e9)
+    export(source, "calculix", folder, points=POINTS)
     _, *cost = timed(["ccx", "example_calculix"], folder)
     lines = (folder / "example_calculix.dat").read_text().splitlines()[-2:]
     rows = [[float(x) for x in line.split()] for line in lines]
