@@ -8,7 +8,7 @@ to the state. All else of an answer (vertical loads, ends of paths, marks, words
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
@@ -58,17 +58,25 @@ class ElementRows:
 
     Attributes
     ----------
-    rows : (n, 14) ten parameters each (`pysprings.memory.elements`), and factors of w and V [1, N/m]: two of the way,
-        two of the stored part.
-    head : largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest.
+    rows : (n, 17) thirteen parameters each (`pysprings.memory.elements`; without a direction: of both planes), and
+        factors of w and V [1, N/m]: two of the way, two of the stored part.
+    head : largest step [m], radius [m] and largest twist [m] of elements of torsion (0: none), way of the calibration
+        [m] (0: w and V are those of the backbone), 1/s of the ways over their sizes, w [m] and V [N] at rest.
     numbers : of a state in two planes.
     sets : number of sets that they are from.
+    in_space : whether they were calibrated on paths out of one plane.
     """
 
-    rows: Array
+    rows: Array = field(default_factory=lambda: np.zeros((0, 17)))
     head: tuple[float, ...] = ()
     numbers: int = 0
     sets: int = 1
+    in_space: bool = False
+
+    @property
+    def twists(self) -> bool:
+        """Whether elements carry torsion."""
+        return bool(self.head and self.head[1])
 
 
 class Response(Protocol):
@@ -129,11 +137,11 @@ class Response(Protocol):
     @property
     def element_rows(self) -> ElementRows:
         """Elements that keep a state."""
-        return ElementRows(np.zeros((0, 14)))
+        return ElementRows()
 
     def plane_notes(self) -> list[str]:
-        """Return sentences on what elements in two planes change on motions between them."""
-        return []
+        """Return sentences on motions out of one plane, for programs that step in time."""
+        return ["out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption"]
 
     def solve(
         self,

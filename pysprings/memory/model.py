@@ -17,9 +17,11 @@ from pysprings.macro.solver import Drive
 from pysprings.macro.vertical import VerticalTable
 from pysprings.macro.ways import RANGE_SLACK, Along, Control, ending, equations
 from pysprings.memory.calibration import ElementSet, numbers_of, way_of
-from pysprings.memory.elements import PLATES, STATES, follow, tangents
+from pysprings.memory.elements import COLUMNS, PLATES, SPACE_COLUMNS, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
+from pysprings.memory.offered import numbers_in_space
 from pysprings.memory.shares import elastic_motions, loads_of
+from pysprings.memory.space import SHARE_NOTHING
 from pysprings.springs.path import TOGETHER
 
 Array = NDArray[np.float64]
@@ -29,6 +31,11 @@ _NOT_ASKED = {
     "cases": "springs with memory answer sequences, not independent cases: ask for 'fan'",
     "secant": "springs with memory have no secant stiffness of a state: ask for the springs 'fan'",
 }
+
+_IN_SPACE = (
+    "elements in the space of both planes, calibrated on paths out of one plane",
+    "w follows the fan at the size of the whole lateral motion: it goes back with it, cycles do not add up settlement",
+)
 
 # ways on which motions between the planes are tried: directions of (u, rotation L), motions over the reach
 _ANGLES = np.radians([-90.0, -60.0, -45.0, -30.0, 0.0, 30.0, 60.0])  # of (u, rotation L)
@@ -74,20 +81,29 @@ class MemorySprings(FanSprings):
 
     @property
     def element_rows(self) -> ElementRows:
-        """The elements for programs that step in time."""
+        """The elements for programs that step in time: those in space, without w and V, or else those of the plane."""
         own, names = self.elements, self.table.name[~self.elements.shares.odd].tolist()
+        if own.space is not None:
+            rows, twist = own.space.rows, own.space.twist
+            head = (own.largest, own.space.radius if twist else 0.0, twist, 0.0, 0.0, *self.rest)
+            return ElementRows(np.pad(rows, ((0, 0), (0, 4))), head, numbers_in_space(rows), self.sets, True)
         down = [names.index(name) for name in ("w", "V")]
         factors = own.shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
-        head = (own.largest, 1.0 / float(np.asarray(own.shares.growth)), own.way, *self.rest) if self.sets == 1 else ()
-        return ElementRows(np.concatenate([own.rows, factors], axis=1), head, numbers_of(own.rows), self.sets)
+        limit = 1.0 / float(np.asarray(own.shares.growth)) if self.sets == 1 else 0.0
+        head = (own.largest, 0.0, 0.0, own.way, limit, *self.rest)
+        rows = np.concatenate([own.rows, np.zeros((len(own.rows), SPACE_COLUMNS - COLUMNS)), factors], axis=1)
+        return ElementRows(rows, head, numbers_of(own.rows), self.sets)
 
     def plane_notes(self) -> list[str]:
-        """Return a sentence on motions at 45 degrees between the planes of the plates."""
+        """Return sentences on motions out of one plane: of elements in space, or at 45 degrees between plates."""
+        if self.elements.space is not None:
+            return [*_IN_SPACE, *[f"torsion and lateral loads together: {SHARE_NOTHING}"] * self.element_rows.twists]
         H, M = error_between_planes(self.elements)
         return [
+            "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption",
             f"gap and frictional elements stand in the planes of x and y: at 45 degrees between them loads differ by "
             f"up to {100 * H:.2g} % in H and {100 * M:.2g} % in M, of the largest on a way to half of the reach, back "
-            "and forth"
+            "and forth",
         ]
 
     def check_state(self, asked: Literal["cases", "secant"]) -> None:

@@ -27,6 +27,7 @@ from pysprings.memory.calibration import ElementSet, SpaceElements
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
 from pysprings.memory.offered import Offered, elastic_motions
 from pysprings.memory.shares import loads_of
+from pysprings.memory.space import SHARE_NOTHING
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, in_planes, out_of_planes
 from pysprings.springs.springs import Springs
 
@@ -38,10 +39,7 @@ MISSING = (
     "several sides. "
     "Run the scene with `[springs] memory = true` and `directions = true`"
 )
-APART = (
-    "torsion and lateral loads act together in {} of {} states: the elements of torsion share no friction with the "
-    "lateral ones, both carry too much (measured in sand: H by 38 %, motions 40 % too small)"
-)
+APART = "torsion and lateral loads act together in {} of {} states: " + SHARE_NOTHING
 NO_HEAVE = "w is not answered out of one plane"
 
 

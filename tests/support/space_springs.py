@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Springs with memory in space, calibrated on the outside law of `space_paths`."""
+"""Springs with memory in space: invented elements, and those calibrated on the outside law of `space_paths`."""
 
 from functools import cache
 
@@ -10,10 +10,12 @@ from pysprings.memory import build
 from pysprings.memory.build import with_memory
 from pysprings.memory.calibration import calibrate
 from pysprings.memory.candidates import Candidates
+from pysprings.memory.elements import PLASTIC, PLATES, SPACE_COLUMNS
+from pysprings.memory.offered import in_space
 from pysprings.memory.samples import samples
 from pysprings.springs.springs import Springs
 from tests.support import space_paths
-from tests.support.winkler import REACH
+from tests.support.winkler import REACH, mixed
 
 
 def planar(table, springs):
@@ -25,6 +27,16 @@ def planar(table, springs):
     scale = np.array([1.0, springs.length])
     stiffness = springs.lateral_stiffness / scale / scale[:, None]
     return calibrate(samples(springs, table), table, stiffness, Candidates(plastic, *none))
+
+
+@cache
+def elements(seed=1, n=8):
+    """Elements of all kinds in space, (n, SPACE_COLUMNS): round and spread ones, and torsion."""
+    rows = mixed(n, seed)
+    spread = np.isin(rows[:, 0], PLATES) | (np.arange(len(rows)) % 2 == 0) & (rows[:, 0] == PLASTIC)
+    twist = np.zeros((3, SPACE_COLUMNS))
+    twist[:, :10], twist[:, 12] = rows[rows[:, 0] == PLASTIC][:3], 1.0
+    return np.concatenate([in_space(rows, spread), twist])
 
 
 @cache

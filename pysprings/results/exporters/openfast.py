@@ -20,10 +20,8 @@ _SPRING_FILE = "caisson.txt"
 _NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
 _BUILD = "build the library with: pysprings soildyn DIR; OpenFAST loads {library} from its working folder"
 _LOST = {
-    "fan": ("nonlinear elastic: no hysteresis, no memory of earlier loads (`springs=memory` has one)",
-            "out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption"),
-    "memory": ("no degradation by the number of cycles", "a vertical load that changes: the elements hold for one",
-               "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption"),
+    "fan": ("nonlinear elastic: no hysteresis, no memory of earlier loads (`springs=memory` has one)",),
+    "memory": ("no degradation by the number of cycles", "a vertical load that changes: the elements hold for one"),
 }  # fmt: skip
 _READ = "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like"
 _CYCLES = "elements that remember reversals, for tens of cycles"
@@ -33,6 +31,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
     from pysprings.macro.fan import has_fan
     from pysprings.macro.model import MacroModel
+    from pysprings.macro.space import SpaceAnswers
     from pysprings.results.exporters.header import BACKBONE, header, springs_at, torsion_words
     from pysprings.results.exporters.soildyn.library import library_input, library_name, spring_text
 
@@ -40,12 +39,14 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     if not has_fan(springs):
         return [], [_NO_FAN]
     model = MacroModel.from_springs(springs, str(options["springs"]), V=load)
-    torsion = known_torsion(model.attrs)
-    lost = [*_LOST[str(options["springs"])], *model.response.plane_notes(), torsion_words(torsion), _READ]
-    use = _CYCLES if len(model.response.element_rows.rows) else BACKBONE
+    elements, torsion = model.response.element_rows, known_torsion(model.attrs)
+    lost = [*_LOST[str(options["springs"])], *model.response.plane_notes()]
+    lost += [SpaceAnswers.of(springs.at(V=load)).errors] if elements.in_space else []
+    lost += [*([] if elements.twists else [torsion_words(torsion)]), _READ]
+    use = _CYCLES if len(elements.rows) else BACKBONE
     head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
-    text = spring_text(head, model, torsion or 0.0, total, stop)
+    text = spring_text(head, model, 0.0 if elements.twists else torsion or 0.0, total, stop)
     library = f"./{library_name()}"
     files = [
         target.write(_SPRING_FILE, text),

@@ -5,7 +5,6 @@ import itertools
 import json
 import warnings
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,6 @@ from pysprings.memory.elements import (
     PLATES,
     REVERSIBLE,
     SPACE,
-    SPACE_COLUMNS,
     SPACE_STATES,
     STATES,
     advance,
@@ -44,7 +42,7 @@ from pysprings.springs.springs import Springs
 from tests.support import space_paths
 from tests.support.commands import command
 from tests.support.space_paths import RADIUS, elbow
-from tests.support.space_springs import calibrated, planar
+from tests.support.space_springs import calibrated, elements, planar
 from tests.support.winkler import REACH, mixed
 
 LENGTH = space_paths.LENGTH
@@ -57,16 +55,6 @@ def walk(rows, motions):
     loads, found = np.zeros(motions.shape), np.zeros((len(motions), m, m))
     tangents(np.ascontiguousarray(rows), motions, 0.01 * REACH, loads, found)
     return loads, found
-
-
-@cache
-def elements(seed=1):
-    """Elements of all kinds in space, (n, SPACE_COLUMNS): round and spread ones, and torsion."""
-    rows = mixed(8, seed)
-    spread = np.isin(rows[:, 0], PLATES) | (np.arange(len(rows)) % 2 == 0) & (rows[:, 0] == PLASTIC)
-    twist = np.zeros((3, SPACE_COLUMNS))
-    twist[:, :10], twist[:, 12] = rows[rows[:, 0] == PLASTIC][:3], 1.0
-    return np.concatenate([in_space(rows, spread), twist])
 
 
 def random_way(seed, n=40, size=0.05):

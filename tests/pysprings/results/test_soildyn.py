@@ -249,7 +249,7 @@ def test_wrong_files_give_a_line_and_no_crash(point: Point, library: Path, capfd
         "early": (text[: len(text) // 2], "ends early|missing|expected"),
         "empty": ("", "ends early"),
         "other": ("some text\n", "another keyword"),
-        "version": (text.replace("pysprings_soildyn 6", "pysprings_soildyn 5"), "version 6"),
+        "version": (text.replace("pysprings_soildyn 7", "pysprings_soildyn 6"), "version 7"),
         "number": (text.replace("length_m ", "length_m x"), "number is missing"),
         "nan": (text.replace("length_m ", "length_m nan "), "not finite"),
         "order": (

@@ -209,6 +209,7 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     done = export(winkler.with_invented_memory(), "openfast", tmp_path, springs="memory")
     (line,) = [remark for remark in done.remarks if "at 45 degrees" in remark]
     text = (tmp_path / "caisson.txt").read_text()
+    assert any("one gauge of the motion in both planes" in remark for remark in done.remarks)
     assert line in text and "not cyclic" not in text and "\nelements 97\n" in text
 
 
@@ -223,10 +224,10 @@ def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, 
 
 
 def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:
-    """An element takes fourteen: 1,400 reversible ones, which keep no state, fill the 20,000 of a point."""
-    few, many = (np.array([winkler.element(REVERSIBLE)] * n) for n in (1200, 1400))
+    """An element takes seventeen: 1,200 reversible ones, which keep no state, fill the 20,000 of a point."""
+    few, many = (np.array([winkler.element(REVERSIBLE)] * n) for n in (1000, 1200))
     model = MacroModel.from_springs(winkler.with_invented_memory(few), "memory")
     lines = spring_text([], model, 1e9, True, False).splitlines()
-    assert len(lines[-2].split()) == 14
+    assert len(lines[-2].split()) == 17
     with pytest.raises(UserInputError, match="numbers: SoilDyn keeps 20000 for a point"):
         spring_text([], MacroModel.from_springs(winkler.with_invented_memory(many), "memory"), 1e9, True, False)

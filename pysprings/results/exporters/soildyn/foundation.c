@@ -79,7 +79,7 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
             answer.used, answer.used_vertical);
     say("warning", "springs", 0, text);
   }
-  if (P[P_COUNT] > 0.0 && state[S_WARNED_WAY] == 0.0 && state[S_WAY] > P[P_WAY] * (1.0 + SLACK)) {
+  if (P[P_WAY] > 0.0 && state[S_WARNED_WAY] == 0.0 && state[S_WAY] > P[P_WAY] * (1.0 + SLACK)) {
     state[S_WARNED_WAY] = 1.0;
     say("warning", "springs", 0,
         "motions add up to more than the paths of the calibration: settlement is extrapolated from here on");

@@ -89,10 +89,10 @@ def _outputs(points: int) -> list[str]:
     return [f'"{", ".join(row)}"' for row in names]
 
 
-VERSION = 6
+VERSION = 7
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
-_SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 23, 3, 9, 2, 3  # of `springs.h`
-_STATE_HEAD = 9
+_SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 25, 3, 9, 2, 3  # of `springs.h`
+_STATE_HEAD = 10
 _BETWEEN = (
     "springs with memory between two vertical loads or rates have elements of both, and SoilDyn keeps a state for "
     "those of one: give the V or rate of one"
@@ -111,7 +111,7 @@ def spring_text(
     model
         Macro-model on a fan, of springs with a vertical stiffness.
     torsion
-        Stiffness about the vertical axis [N m/rad].
+        Stiffness about the vertical axis [N m/rad], beside that of elements of torsion.
     reaction_at_rest
         With it the reaction at rest is the vertical load at rest, else the change from there.
     stop_beyond
@@ -197,16 +197,19 @@ def _branch_lines(model: MacroModel, word: str, sign: float) -> Iterator[str]:
 
 
 def _element_lines(model: MacroModel) -> Iterator[str]:
-    """Yield the elements with a memory: their number; step, limit of ways, way, w and V at rest; a row for each."""
+    """Yield the elements with a memory: their number; what they have in common; a row for each."""
     elements = model.response.element_rows
     yield f"elements {len(elements.rows)}"
     if not len(elements.rows):
         return
-    yield "! largest step [m], 1/s of the ways over their sizes, way of the calibration [m], w [m] and V [N] at rest"
+    yield "! largest step [m]; radius [m] and largest twist [m] of elements of torsion, 0 without any;"
+    yield "! way of the calibration [m], 0 where w and V are those of the fan; 1/s of the ways over their sizes;"
+    yield "! w [m] and V [N] at rest"
     yield _row("memory", elements.head)
     yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
     yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
+    yield "! then its direction (px, py, pz), without one it takes both planes,"
     yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
     yield from (_row("", row) for row in elements.rows)
 

@@ -96,8 +96,11 @@ static int read_elements(Reader *r, double *P, int *place) {
   P[P_COUNT] = (double)n;
   P[P_ELEMENTS] = (double)*place;
   if (n == 0) return 1;
-  if (!numbers(r, "memory", P + P_LARGEST, 5)) return 0;
-  if (!(P[P_LARGEST] > 0.0) || !(P[P_LIMIT] >= 0.0)) return refuse(r, "the largest step is positive, the limit of ways not negative");
+  if (!numbers(r, "memory", P + P_LARGEST, 7)) return 0;
+  if (!(P[P_LARGEST] > 0.0)) return refuse(r, "the largest step is positive");
+  for (k = P_RADIUS; k <= P_LIMIT; k++)
+    if (!(P[k] >= 0.0)) return refuse(r, "radius, twist, way and the limit of ways are not negative");
+  if (P[P_RADIUS] > 0.0 && P[P_TWIST] == 0.0) return refuse(r, "elements of torsion have a largest twist");
   if (*place + n * ELEMENT > PROPS) return refuse(r, "more numbers than SoilDyn keeps for a point (Props, 20,000)");
   for (k = 0; k < n; k++, *place += ELEMENT) {
     if (!numbers(r, "", P + *place, ELEMENT)) return 0;
@@ -119,7 +122,7 @@ int pysprings_read(Reader *r, double *P) {
   size_t k;
   char *p;
   if (!numbers(r, "pysprings_soildyn", P + P_VERSION, 1)) return 0;
-  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 6 of the spring file");
+  if (P[P_VERSION] != VERSION) return refuse(r, "this library reads version 7 of the spring file");
   for (k = 0; k < sizeof heads / sizeof heads[0]; k++)
     if (!numbers(r, heads[k].word, P + heads[k].at, heads[k].n)) return 0;
   if (!(P[P_LENGTH] > 0.0) || !(P[P_VERTICAL] > 0.0)) return refuse(r, "length and vertical stiffness are positive");

@@ -17,8 +17,8 @@
  *
  * P is 1 for a motion in one plane. The law is exact for linear springs and has no preferred direction.
  *
- * Elements with a memory, where the file has them, give H, M and the settlement in place of the fan (memory.c); the fan then
- * gives the shares of its range.
+ * Elements with a memory, where the file has them, give H and M in place of the fan (memory.c), and the settlement or the
+ * torsion where the file says so; the fan then gives the shares of its range.
  */
 #include <math.h>
 #include <string.h>
@@ -246,7 +246,7 @@ static double vertical(const double *P, double w, const Loads *lateral, Answer *
 
 /* Forces on the soil in the frame of SoilDyn at a displacement in it; elements with a memory go on from the state. */
 void pysprings_forces(const double *P, double *state, const double d[6], Answer *out) {
-  double L = P[P_LENGTH], a[2], b[2], S[2][2], Ha[2], Mb[2], q[4], F[4], w = P[P_REST_W] - d[2];
+  double L = P[P_LENGTH], a[2], b[2], S[2][2], Ha[2], Mb[2], q[MOTIONS], F[MOTIONS], w = P[P_REST_W] - d[2], twist = P[P_RADIUS] * d[5];
   Loads lateral;
   int i;
   memset(out, 0, sizeof *out);
@@ -261,6 +261,8 @@ void pysprings_forces(const double *P, double *state, const double d[6], Answer 
     q[2 * i] = a[i];
     q[2 * i + 1] = b[i];
   }
+  q[4] = twist;
+  F[4] = 0.0;
   if (P[P_COUNT] > 0.0) {
     pysprings_elements(P, state, q, F, &lateral.w, &lateral.V);
     for (i = 0; i < 2; i++) {
@@ -269,13 +271,14 @@ void pysprings_forces(const double *P, double *state, const double d[6], Answer 
     }
   }
   out->used = lateral.used;
+  if (fabs(twist) > out->used * P[P_TWIST]) out->used = fabs(twist) / P[P_TWIST];
   if (lateral.failed) out->beyond = "a load path of the full model stopped, or met a limit load, before this displacement";
   out->force[0] = Ha[0];
   out->force[1] = Ha[1];
   out->force[2] = P[P_OFFSET] - vertical(P, w, &lateral, out);
   out->force[3] = -Mb[1];
   out->force[4] = Mb[0];
-  out->force[5] = P[P_TORSION] * d[5];
+  out->force[5] = P[P_TORSION] * d[5] + P[P_RADIUS] * F[4];
   if (P[P_STOP] != 0.0 && (out->used > 1.0 + SLACK || out->used_vertical > 1.0 + SLACK))
     out->beyond = "the displacement is beyond the calibrated range of the springs";
 }
@@ -289,14 +292,15 @@ static void tried(const double *P, const double *state, const double d[6], Answe
 
 /* Stiffness (6, 6), column-major: at rest that of the springs there, elsewhere differences of the forces. */
 void pysprings_stiffness(const double *P, const double *state, const double d[6], double *D) {
-  double zero[2] = {0.0, 0.0}, S[2][2], x[6], size, step, L = P[P_LENGTH];
+  double zero[2] = {0.0, 0.0}, S[2][2], x[6], size, step, L = P[P_LENGTH], R = P[P_RADIUS];
   Loads lateral;
   Answer more, less;
   int i, j;
   memset(D, 0, 36 * sizeof(double));
-  size = sqrt(d[0] * d[0] + d[1] * d[1] + L * L * (d[3] * d[3] + d[4] * d[4]));
+  size = sqrt(d[0] * d[0] + d[1] * d[1] + L * L * (d[3] * d[3] + d[4] * d[4]) + R * R * d[5] * d[5]);
   if (size <= ORIGIN && fabs(d[2]) <= ORIGIN && state[S_WAY] == 0.0) {
-    if (P[P_COUNT] > 0.0) pysprings_rest(P, S);
+    D[35] = P[P_TORSION];
+    if (P[P_COUNT] > 0.0) D[35] += R * R * pysprings_rest(P, S);
     else secant(P, zero, zero, S, &lateral);
     D[0] = D[7] = S[0][0];
     D[21] = D[28] = L * L * S[1][1];
@@ -305,7 +309,6 @@ void pysprings_stiffness(const double *P, const double *state, const double d[6]
     D[4] = L * S[1][0];
     D[9] = -L * S[1][0];
     D[14] = P[P_VERTICAL];
-    D[35] = P[P_TORSION];
     return;
   }
   step = 1e-5 * (size > 1e-4 ? size : 1e-4);

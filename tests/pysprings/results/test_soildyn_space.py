@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: MIT
+"""Springs in the space of both planes in the SoilDyn library, beside `pysprings.memory.space_model`."""
+
+import shutil
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from pysprings.macro.model import MacroModel
+from pysprings.memory.calibration import MOST_NUMBERS, SpaceElements
+from pysprings.memory.model import MemorySprings
+from pysprings.memory.offered import numbers_in_space
+from pysprings.memory.space_model import SpaceSprings
+from pysprings.results.exporters import export
+from pysprings.results.exporters.soildyn.library import build, spring_text
+from tests.support import loaded, openfast, space_paths
+from tests.support.fans import RHO
+from tests.support.foundation import Point
+from tests.support.space_springs import calibrated, elements
+
+pytestmark = pytest.mark.skipif(
+    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
+)
+LATERAL = [0, 1, 3, 4, 5]  # of six: SPACE_TURNS, and SPACE_LOADS
+RADIUS, TWIST = 4.0, 5e-3
+DIRECTIONS = 8  # of the mean out of one plane, MEAN of springs.c
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(tmp_path_factory.mktemp("library"))
+
+
+def with_space(elements: SpaceElements) -> tuple[MacroModel, SpaceSprings]:
+    """Model with vertical springs, a fan that heaves, and elements in space; and these alone."""
+    given = loaded.springs().at()
+    model = MacroModel.from_springs(given, "memory")
+    assert isinstance(model.response, MemorySprings)
+    own = replace(model.response.elements, space=elements)
+    space = SpaceSprings.from_elements(own, given, model.rest_load, (1e6, 1e6))
+    return replace(model, response=replace(model.response, elements=own)), space
+
+
+def invented(n: int = 8) -> tuple[MacroModel, SpaceSprings]:
+    """Elements of all kinds, with torsion."""
+    none = np.zeros((0, 2))
+    return with_space(SpaceElements(elements(1, n), RADIUS, TWIST, none, none, 0.0, 0.0, {}))
+
+
+def point_of(
+    library: Path, model: MacroModel, folder: Path, monkeypatch: pytest.MonkeyPatch, torsion: float = 0.0
+) -> Point:
+    (folder / "caisson.txt").write_text(spring_text([], model, torsion, True, False))
+    monkeypatch.chdir(folder)  # names of files have 45 letters at most
+    return Point(library, "./caisson.txt")
+
+
+def walk(seed: int, n: int) -> np.ndarray:
+    """Motions (n, 6) in the frame of OpenFAST in steps of all sizes, within the range of the fan."""
+    random = np.random.default_rng(seed)
+    sizes = 10.0 ** random.uniform(-2.0, 0.0, (n, 1))
+    way = np.cumsum(sizes * random.normal(size=(n, 6)), axis=0)
+    size = np.array([1.0, 1.0, 1.0, 0.25, 0.25, 0.25])  # over the skirt length, and the radius
+    return 0.5 * RHO[-1] * size * np.sin(way)
+
+
+def vertical_load(model: MacroModel, d: np.ndarray) -> float:
+    """V at a motion (6,): of the vertical springs at w less that of the fan, which is blended between two planes."""
+    a, b = d[:2], model.length * np.array([d[4], -d[3]])
+    aa, bb, ab = a @ a, b @ b, a @ b
+    plane, phi = np.hypot(aa - bb, 2.0 * ab) / (aa + bb), 0.5 * np.arctan2(2.0 * ab, aa - bb)
+    angles = np.concatenate([[phi], np.pi * np.arange(DIRECTIONS) / DIRECTIONS])
+    states = np.sqrt(aa + bb) * np.stack([np.cos(angles), np.sin(angles) / model.length], axis=1)
+    rows = model.table.rows(states)[0]
+    w, V = (plane * of[0] + (1.0 - plane) * of[1:].mean() for of in (rows[model.table.name == n][0] for n in "wV"))
+    assert model.vertical is not None
+    change = -d[2] - w + model.vertical.displacement(V)[0]
+    return float(brentq(lambda load: model.vertical.displacement(load)[0] - change, -3e6, 1e8, xtol=1e-4))
+
+
+def test_a_random_walk_in_six_motions_is_that_of_python(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All kinds of elements, round, spread and of torsion; between the steps some are tried and rejected."""
+    model, space = invented()
+    point, motions = point_of(library, model, tmp_path, monkeypatch), walk(3, 150)
+    found = []
+    for k, d in enumerate(motions):
+        kept = point.state.copy()
+        if k % 3 == 0:
+            point.forces(-1.2 * d)
+            point.state[:] = kept
+        found.append(point.forces(d))
+    turns, pushes, message = space.solve("state", motions[:, LATERAL])
+    assert message == "" and np.abs(turns - motions[:, LATERAL]).max() < 1e-12
+    expected = np.zeros((len(motions), 6))
+    expected[:, LATERAL], expected[:, 2] = pushes, [-vertical_load(model, d) for d in motions]
+    sizes = np.abs(expected).max(axis=0)
+    assert (sizes > 1e4).all() and (np.ptp(expected, axis=0) > 0.3 * sizes).all()
+    np.testing.assert_allclose(found / sizes, expected / sizes, rtol=1e-6, atol=1e-6)
+
+
+def test_the_stiffness_at_rest_is_axisymmetric_and_that_of_the_elements(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As SoilDyn asks for it; elsewhere it is the slope of the forces."""
+    model, space = with_space(SpaceSprings.of(calibrated()).elements)
+    point = point_of(library, model, tmp_path, monkeypatch)
+    K = point.stiffness(np.zeros(6))
+    np.testing.assert_allclose(K, K.T)
+    assert (K[0, 0], K[0, 4], K[3, 3]) == (K[1, 1], -K[1, 3], K[4, 4])
+    small = 1e-9 * np.array([1.0, -0.4, 0.0, 0.1, 0.2, 0.3])
+    own = space.tangents(small[None, LATERAL])[0]
+    np.testing.assert_allclose(K[np.ix_(LATERAL, LATERAL)], own, rtol=1e-6, atol=1e-6 * own.max())
+    for d in walk(5, 20):
+        point.forces(d)
+    aim, kept = walk(5, 21)[20], point.state.copy()
+    D, step = point.stiffness(aim), 1e-7
+    for j in range(6):
+        ends = []
+        for sign in (1.0, -1.0):
+            point.state[:] = kept
+            ends.append(point.forces(aim + sign * step * np.eye(6)[j]))
+        np.testing.assert_allclose(D[:, j], (ends[0] - ends[1]) / (2.0 * step), rtol=0.05, atol=1e-3 * np.abs(D).max())
+
+
+@pytest.mark.parametrize("degrees", [7.5, 22.5, 37.0, 45.0, 90.0, 163.0])
+def test_a_path_that_is_turned_has_a_turned_answer(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, degrees: float
+) -> None:
+    """Within 2 % of the largest load of each path: an elbow, a circle, and a random walk in all motions."""
+    model, _ = with_space(SpaceSprings.of(calibrated()).elements)
+    point, angle = point_of(library, model, tmp_path, monkeypatch), np.radians(degrees)
+    plane = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    turn, rest = np.kron(np.eye(2), plane), point.state.copy()
+    ways = [np.insert(way, 2, 0.0, axis=1) for way in (
+        space_paths.elbow(0.4 * RHO[-1], 0.6 * RHO[-1], 0.1 / space_paths.LENGTH), space_paths.circle(0.4 * RHO[-1])
+    )]  # fmt: skip
+    for way in (*ways, walk(7, 100)):
+        answers = []
+        for motions in (way, way @ turn.T):
+            point.state[:] = rest
+            answers.append(np.array([point.forces(d) for d in motions]))
+        missing = (answers[1] @ turn - answers[0]) / [1.0, 1.0, np.inf, *[space_paths.LENGTH] * 2, RADIUS]
+        size = np.linalg.norm(answers[0] / [1.0, 1.0, np.inf, *[space_paths.LENGTH] * 2, np.inf], axis=1).max()
+        assert np.abs(missing).max() < 0.02 * size
+
+
+def test_the_export_has_the_set_in_space_with_its_errors_and_marks(tmp_path: Path) -> None:
+    done = export(calibrated(), "openfast", tmp_path, springs="memory")
+    text = (tmp_path / "caisson.txt").read_text()
+    for words in ("elements in the space of both planes", "share no friction", "held-back paths: elbow H", "cycles do"):
+        (line,) = [remark for remark in done.remarks if words in remark]
+        assert line in text.replace("\n! ", " ")
+    assert "torsion_Nm 0\n" in text and "45 degrees" not in text and "torsion is linear" not in text
+
+
+def test_without_a_twist_torsion_is_linear(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    none = np.zeros((0, 2))
+    model, _ = with_space(SpaceElements(elements()[:-3], RADIUS, 0.0, none, none, 0.0, 0.0, {}))
+    assert not any("share no friction" in line for line in model.response.plane_notes())
+    point = point_of(library, model, tmp_path, monkeypatch, 3e9)
+    for twist in (1e-4, 1e-2):
+        assert point.forces(np.array([1e-4, 1e-4, 0, 0, 0, twist]))[5] == pytest.approx(3e9 * twist)
+
+
+def test_a_twist_beyond_its_path_is_marked(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    point, largest = point_of(library, invented()[0], tmp_path, monkeypatch), TWIST / RADIUS
+    for share, warned in ((0.5, 0), (0.999, 0), (1.5, 1)):
+        point.forces(np.array([1e-4, 0, 0, 0, 0, share * largest]))
+        assert point.state.ravel()[0] == pytest.approx(share, rel=1e-9)
+        assert capfd.readouterr().out.count(f"beyond the calibrated range ({share:.3g} laterally") == warned
+    text = Path("caisson.txt").read_text()
+    _, _, radius, twist, *_ = next(line for line in text.splitlines() if line.startswith("memory ")).split()
+    for given, words in ((f"{radius} 0", "have a largest twist"), (f"-{radius} {twist}", "are not negative")):
+        Path("caisson.txt").write_text(text.replace(f"{radius} {twist}", given))
+        assert Point(library, "./caisson.txt").code == 102 and words in capfd.readouterr().out
+
+
+def test_soildyn_follows_a_way_around_with_torsion(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The program keeps the state from step to step; angles are small, as it makes rotations of them."""
+    model, space = invented()
+    export(calibrated(), "openfast", tmp_path, z=-30.0, springs="memory")
+    (tmp_path / "caisson.txt").write_text(spring_text([], model, 0.0, True, False))
+    shutil.copy(library, tmp_path)
+    motions = np.concatenate([np.zeros((1, 6)), walk(9, 200)])
+    done = openfast.drive(tmp_path, motions, "soildyn_nonlinear.dat")
+    assert done.code == 0, done.log
+    passed = done.channels[:, 6:12] * [1.0, 1.0, 1.0, *np.radians([1.0, 1.0, 1.0])]  # angles in degrees
+    np.testing.assert_allclose(passed, motions, atol=2e-6)
+    expected = -space.solve("state", passed[:, LATERAL])[1]
+    size = np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(1e3 * done.channels[:, LATERAL] / size, expected / size, rtol=1e-6, atol=1e-6)
+
+
+def test_ten_thousand_calls_a_second_with_a_full_state(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, space = invented(27)
+    assert 0.9 * MOST_NUMBERS < numbers_in_space(space.elements.rows) <= MOST_NUMBERS
+    point, n = point_of(library, model, tmp_path, monkeypatch), 2000
+    way = np.linspace(walk(3, 1)[0], 0.2 * walk(4, 1)[0], n)
+    start = time.process_time()
+    for d in way:
+        point.forces(d)
+    assert n / (time.process_time() - start) > 1e4
