@@ -109,7 +109,7 @@ def write(springs: str, folder: Path) -> list[str]:
     parts = {"elastodyn.dat": ELASTODYN, "blade.dat": BLADE, "tower.dat": TOWER, "subdyn.dat": SUBDYN}
     soils = {"matrix": "soildyn.dat"}
     for kind in ("memory", "fan") if has_memory(Springs.of(source.springs)) else ("fan",):
-        export(source, "openfast", folder, torsion=2e10, z=-DEPTH, reaction_at_rest="none", springs=kind)
+        export(source, "openfast", folder, z=-DEPTH, reaction_at_rest="none", springs=kind)
         soils[kind] = f"soildyn_{kind}.dat"
         (folder / "caisson.txt").replace(folder / f"{kind}.txt")
         text = (folder / "soildyn_nonlinear.dat").read_text()
