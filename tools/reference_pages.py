@@ -6,6 +6,7 @@ schema, variables from `pysprings.core.variables`.
 """
 
 import inspect
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
@@ -20,6 +21,7 @@ from pysprings.scene.template import scene_schema
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
 MARK = f"<!-- Made by `make pages` from version {__version__} of the program. Do not edit. -->\n\n"
+COMMON = 5  # commands with the same option, which the page of commands states once
 GROUP_TITLES = {
     "result_root": "full_model.nc, root",
     "result_path": "full_model.nc, paths/NAME",
@@ -38,27 +40,31 @@ def commands_page() -> str:
     """Return the page of the commands with all options, from the signatures of their functions."""
     from pysprings.cli.app import application
 
-    parts = [
-        MARK,
-        "# Commands\n\nData go to stdout, messages to stderr. `--json` prints one JSON document. "
-        "[Exit codes](exit-codes.md) are the same for all commands.\n",
-    ]
+    pages, every = [], Counter[tuple[str, str]]()
     for command in application().registered_commands:
         assert command.callback is not None
         name = command.name or command.callback.__name__.replace("_", "-")
         hints = get_type_hints(command.callback, include_extras=True)
-        given = [(key, *_annotation(hints[key])) for key in inspect.signature(command.callback).parameters]
-        words = [_spelling(key, kind, info) for key, kind, info in given]
-        arguments = [word for word, (*_, info) in zip(words, given, strict=True) if isinstance(info, ArgumentInfo)]
-        defaults = [each.default for each in inspect.signature(command.callback).parameters.values()]
-        rows = [
-            [f"`{word}`", _words(info.help or "") + _preset(default)]
-            for word, (*_, info), default in zip(words, given, defaults, strict=True)
+        own = inspect.signature(command.callback).parameters.values()
+        given = [
+            (each.default, _spelling(each.name, *(found := _annotation(hints[each.name]))), found[1]) for each in own
         ]
-        parts.append(f"\n## {name}\n\n```text\n{' '.join(['pysprings', name, *arguments, '[OPTIONS]'])}\n```\n")
-        parts.append(
-            f"\n{_words(inspect.getdoc(command.callback) or '')}\n\n{markdown_table(['option', 'meaning'], rows)}"
-        )
+        arguments = [word for _, word, info in given if isinstance(info, ArgumentInfo)]
+        rows = [(f"`{word}`", _words(info.help or "") + _preset(default)) for default, word, info in given]
+        every.update(row for row in rows if row[0].startswith("`--"))
+        pages.append((name, " ".join(["pysprings", name, *arguments]), inspect.getdoc(command.callback) or "", rows))
+    common = {row: None for row, count in every.items() if count >= COMMON}
+    parts = [
+        MARK,
+        "# Commands\n\nData go to stdout, messages to stderr. `--json` prints one JSON document. "
+        "[Exit codes](exit-codes.md) are the same for all commands. Options of several commands:\n\n",
+        markdown_table(["option", "meaning"], [*common]),
+    ]
+    for name, line, words, rows in pages:
+        shared = ", ".join(row[0] for row in rows if row in common)
+        parts.append(f"\n## {name}\n\n`{line} [OPTIONS]`\n\n{_words(words)}\n\n")
+        parts.append(markdown_table(["option", "meaning"], [row for row in rows if row not in common]))
+        parts.append(f"\nAlso {shared}.\n" if shared else "")
     return "".join(parts)
 
 
@@ -120,10 +126,13 @@ def outputs_page() -> str:
         "\n## Exports\n\n`pysprings export RESULT --to NAME`, and `pysprings springs RESULT --format NAME` for the "
         f"files of springs.\n\n{markdown_table(['name', 'content', 'file', 'endings', 'needs'], rows)}",
     ]
+    options: dict[tuple[str, str], list[str]] = {}
     for each in EXPORTERS.built_in:
-        if each.options:
-            own = [[f"`{option.name}`", _words(option.help), _preset(option.default)] for option in each.options]
-            parts.append(f"\n### Options of {each.name}\n\n{markdown_table(['option', 'meaning', 'default'], own)}")
+        for option in each.options:
+            words = f"`{each.name}`{_preset(None if option.default == '' else option.default)}"
+            options.setdefault((f"`{option.name}`", _words(option.help)), []).append(words)
+    own = [[*option, ", ".join(names)] for option, names in options.items()]
+    parts.append(f"\n### Options of exports\n\n{markdown_table(['option', 'meaning', 'of'], own)}")
     pictures = [
         [f"`{each.name}`", each.caption, _SCOPES[each.scope], "`report`" if each.section else "`all`"]
         for each in PICTURES.built_in
@@ -167,7 +176,7 @@ def pictures_page() -> str:
         shown = f"![{each.name}](pictures/{each.name}.png)\n\n" if file.exists() else ""
         call = f"tree.pysprings.plot.{each.name}({', '.join([*scope, *own])})"
         about = _words(inspect.getdoc(function) or "").split(" Parameters ---")[0]
-        parts.append(f"\n## {each.name}\n\n{shown}{each.caption.rstrip('.')}.\n\n`{call}`\n\n")
+        parts.append(f"\n## {each.name}\n\n{shown}{each.caption.rstrip('.')}. `{call}`; ")
         parts.append(f"`plots.{function.__name__}`: {about}\n")
     return "".join(parts)
 
