@@ -59,3 +59,6 @@ class Diagnosis:
 
     def __str__(self) -> str:
         return f"{self.reason}: {self.detail}" if self.detail else str(self.reason)
+
+
+TILTS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine, over its life and after installation with it

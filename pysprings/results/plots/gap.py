@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import Opening, openings, pick_step, plan_gap, skirt_gap
 from pysprings.results.plots import style
-from pysprings.results.plots.picture import Picture, step_text
+from pysprings.results.plots.picture import of_state, step_text
 
 
 @style.styled
@@ -157,15 +157,7 @@ def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None
         text.set_bbox({"facecolor": "white", "edgecolor": style.GREY, "pad": 4})
 
 
-PICTURE = Picture(
-    name="gap",
-    caption="Gap opening",
-    function=gap_map,
-    data=lambda view: (view.path, view.step),
-    scope="state",
-    applies=lambda view: "gap" in view.path,
-    section="states",
-)
+PICTURE = of_state("gap", "Gap opening", gap_map, ("gap",), "states")
 
 
 @style.styled
@@ -205,12 +197,6 @@ def ovalisation(path: xr.Dataset, step: int | None = None, displacement: float |
     return figure
 
 
-OVALISATION = Picture(
-    name="ovalisation",
-    caption="Ovalisation of the skirt, and its mean fibre by depth",
-    function=ovalisation,
-    data=lambda view: (view.path, view.step),
-    scope="state",
-    applies=lambda view: "diameter_change_x" in view.path,
-    section="",
+OVALISATION = of_state(
+    "ovalisation", "Ovalisation of the skirt, and its mean fibre by depth", ovalisation, ("diameter_change_x",)
 )

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.words import TILTS
 from pysprings.results.analysis.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture
@@ -82,11 +83,8 @@ PICTURE = Picture(
 )
 
 
-LIMITS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine, over its life and after installation with it
-
-
 @style.styled
-def tilt(tree: xr.DataTree, limits: Iterable[float] = LIMITS) -> Figure:
+def tilt(tree: xr.DataTree, limits: Iterable[float] = TILTS) -> Figure:
     """Draw H [MN] and M [MN m] against the size of the rotation [deg] on the free-head paths of a result or springs.
 
     Parameters
@@ -109,7 +107,7 @@ def tilt(tree: xr.DataTree, limits: Iterable[float] = LIMITS) -> Figure:
     return figure
 
 
-def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] = LIMITS) -> None:
+def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] = TILTS) -> None:
     """Draw the size of a load against the size of the rotation on given axes."""
     free = lateral_paths(tree, free_head=True)
     paths = [each._replace(name=_name(each.name, each.data), data=_sizes(each.data)) for each in free]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a picture declares and may read, and quantities in the form that figures need."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
@@ -123,6 +123,22 @@ class Picture:
     def draw(self, view: View, **options: Any) -> Figure:
         """Draw the picture of a view; options are keyword arguments of the function."""
         return self.function(*self.data(view), **options)
+
+
+def of_state(
+    name: str,
+    caption: str,
+    function: Callable[..., Figure],
+    needs: Sequence[str],
+    section: Part = "",
+    tall: bool = False,
+) -> Picture:
+    """Return a picture of one state of a path that holds the variables `needs`."""
+
+    def applies(view: View) -> bool:
+        return all(key in view.path for key in needs)
+
+    return Picture(name, caption, function, lambda view: (view.path, view.step), "state", applies, tall, section)
 
 
 # Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.

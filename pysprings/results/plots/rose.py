@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pysprings.results.analysis.parts import pick_step
 from pysprings.results.plots import style
-from pysprings.results.plots.picture import Picture, depth_words, pick_depths, step_text
+from pysprings.results.plots.picture import Part, Picture, depth_words, of_state, pick_depths, step_text
 
 TRACE = 1.0  # drawn radius of the caisson: the circle of zero
 GAP_WIDTH = 0.12  # drawn width of the zones without contact
@@ -239,26 +239,13 @@ def _legend(quantity: Quantity, largest: float, gaps: bool) -> list[Line2D | Pat
     return [*handles, Patch(label="no contact: $p'_N = 0$", **GAP_LOOK)] if gaps else handles
 
 
-def _stress(side: str) -> Picture:
-    return Picture(
-        name=f"stress_{side}",
-        caption=f"Normal effective stress around the caisson, {side}",
-        function=partial(stress_rose, side=side),
-        data=lambda view: (view.path, view.step),
-        scope="state",
-        applies=lambda view: "normal_effective_stress" in view.path,
-        tall=True,
-        section="states" if side == "outside" else "",
-    )
+def _stress(side: str, section: Part) -> Picture:
+    caption = f"Normal effective stress around the caisson, {side}"
+    draw = partial(stress_rose, side=side)
+    return of_state(f"stress_{side}", caption, draw, ("normal_effective_stress",), section, tall=True)
 
 
-OUTSIDE, INSIDE = _stress("outside"), _stress("inside")
-PORE_PRESSURE = Picture(
-    name="pressure",
-    caption="Excess pore pressure around the skirt",
-    function=pressure_rose,
-    data=lambda view: (view.path, view.step),
-    scope="state",
-    applies=lambda view: "pressure_min" in view.path and "pore_pressure" in view.path,
-    section="",
+OUTSIDE, INSIDE = _stress("outside", "states"), _stress("inside", "")
+PORE_PRESSURE = of_state(
+    "pressure", "Excess pore pressure around the skirt", pressure_rose, ("pressure_min", "pore_pressure")
 )

@@ -31,6 +31,7 @@ from pysprings.core.columns import Table
 from pysprings.core.files.storage import read_tree, write_text
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.core.registry import Registry
+from pysprings.core.words import TILTS
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.model import AnySprings
 from pysprings.results.analysis.parts import converged
@@ -47,7 +48,6 @@ from pysprings.springs.tip_zone import edge_rings
 MOST_STEPS = 25  # of a path that the sliders show
 MOST_PATHS = 24
 MOST_DEPTHS = 4  # of the contact stresses
-LIMITS = (0.25, 0.5)  # deg: usual tolerances of tilt
 _DIGITS = 4
 _SCALES = {"u": 1e3, "w": 1e3, "rotation": 180.0 / np.pi, "H": 1e-6, "V": 1e-6, "M": 1e-6}
 
@@ -71,7 +71,7 @@ def live_parts(result: xr.DataTree) -> Live | None:
         return None
     size = {key: float(result.attrs.get(f"{key}_m", np.nan)) for key in ("outer_diameter", "skirt_length")}
     known = {key: value for key, value in size.items() if np.isfinite(value)}
-    data = json.dumps({"size": known, "limits": LIMITS, "paths": drawn}, separators=(",", ":"), allow_nan=False)
+    data = json.dumps({"size": known, "limits": TILTS, "paths": drawn}, separators=(",", ":"), allow_nan=False)
     script = files("pysprings.results.report").joinpath("templates/report.js").read_text(encoding="utf-8")
     packed, digest = library
     own = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

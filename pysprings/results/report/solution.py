@@ -11,6 +11,7 @@ import xarray as xr
 from pysprings.core.columns import Column, Table
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
+from pysprings.core.words import TILTS
 from pysprings.full_model.run_record import PathFigures
 from pysprings.results.analysis.parts import openings
 from pysprings.results.report.inputs import ReportTable
@@ -116,9 +117,6 @@ def _clean(path: Any, key: str, step: int, factor: float) -> str:
     largest = max(float(np.abs(path[name].values).max(initial=0.0)) for name in alike if name in path)
     value = float(path[key][step])
     return number(0.0 if abs(value) < 1e-9 * largest else value * factor, 4)
-
-
-TILTS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine
 
 
 def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
