@@ -14,14 +14,7 @@ from pysprings.core.variables import TORSION
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.discretise import section_of, volume_of
-from pysprings.full_model.run_record import (
-    CheckpointCost,
-    Computed,
-    MeshFigures,
-    RunRecord,
-    SolverFigures,
-    Status,
-)
+from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigures, RunRecord, SolverFigures, Status
 from pysprings.full_model.work import Work, environment_of
 from pysprings.model.contact import defaults_of
 from pysprings.model.forecast.omissions import left_out
@@ -72,11 +65,7 @@ def _mesh(work: Work) -> MeshFigures:
     series = {}
     if isinstance(built, BuiltFourier):
         model = built.model
-        series = {
-            "harmonics": model.harmonics,
-            "azimuths": model.azimuths,
-            "contact_azimuths": len(built.azimuth),
-        }
+        series = {"harmonics": model.harmonics, "azimuths": model.azimuths, "contact_azimuths": len(built.azimuth)}
     return MeshFigures(
         preset=work.scene.mesh.preset,
         discretisation=work.scene.discretisation,

@@ -15,16 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from fe_engine.mesh import Mesh
-from pysprings.model.grading import (
-    BELOW,
-    DIAMETER,
-    OUTSIDE,
-    across_the_tip,
-    away,
-    down_the_skirt,
-    graded,
-    graded_both,
-)
+from pysprings.model.grading import BELOW, DIAMETER, OUTSIDE, across_the_tip, away, down_the_skirt, graded, graded_both
 
 SURFACES = ("outer", "inner", "lid", "tip")
 

@@ -23,10 +23,7 @@ FIGURES = "figures"  # folder of the pictures
 PARAVIEW = "paraview"  # folder of the files for ParaView: the name of that exporter
 
 # in the order in which people read them: the report first
-_BEFORE = {
-    "report.html": "report: open it in a browser",
-    "load_displacement.csv": "load-displacement tables",
-}
+_BEFORE = {"report.html": "report: open it in a browser", "load_displacement.csv": "load-displacement tables"}
 _AFTER = {
     "compare.csv": "prediction with the springs beside the full model",
     "full_model.nc": "full model (NetCDF)",

@@ -44,10 +44,7 @@ class Run:
 
 
 def summary(
-    result: xr.DataTree,
-    record: RunRecord,
-    comparison: pd.DataFrame | None = None,
-    springs: xr.DataTree | None = None,
+    result: xr.DataTree, record: RunRecord, comparison: pd.DataFrame | None = None, springs: xr.DataTree | None = None
 ) -> dict[str, str]:
     """Return the text of each line by its heading; empty where the scene of the record cannot be read.
 

@@ -125,11 +125,7 @@ class Quantity(Field):
         schema: dict[str, Any] = {"type": "string", "pattern": QUANTITY_PATTERN}
         if self.word:
             schema = {"anyOf": [{"const": self.word}, schema]}
-        return {
-            "description": f"{self.text} (in {self.interval} {self.unit})",
-            "examples": [self.example],
-            **schema,
-        }
+        return {"description": f"{self.text} (in {self.interval} {self.unit})", "examples": [self.example], **schema}
 
     def in_toml(self, value: Any) -> Any:
         return value if value is None or value == self.word else units.show(value, self.unit)

@@ -204,10 +204,7 @@ def read_text(path: FilePath, what: str = "scene") -> str:
         if not S_ISREG(status.st_mode):
             _refuse(name, "is not a regular file")
         if status.st_size > MAX_BYTES:
-            _refuse(
-                name,
-                f"is too large for a {what} (more than {MAX_BYTES // 1024} KiB)",
-            )
+            _refuse(name, f"is too large for a {what} (more than {MAX_BYTES // 1024} KiB)")
         return path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         _refuse(name, "no such file")

@@ -27,13 +27,7 @@ from pysprings.scene.then import Then, ThenList
 _PENALTY = 'penalty stiffness of the interface; "auto" is 390 times Young modulus over diameter'
 _STIFFNESS = Quantity("N/m^3", "[1e3, 1e16]", _PENALTY, "1e10 N/m^3", word="auto")
 _SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True)
-_TURN = Quantity(
-    "deg",
-    "[-30, 30]",
-    "rotation, positive where the caisson leans towards +x",
-    "0.1 deg",
-    optional=True,
-)
+_TURN = Quantity("deg", "[-30, 30]", "rotation, positive where the caisson leans towards +x", "0.1 deg", optional=True)
 _SINK_TEXT = "vertical displacement of the lid centre, positive down (pull-out is negative)"
 _SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm", optional=True)
 _PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
@@ -253,8 +247,7 @@ class Interface(Section):
     adhesion_factor: Annotated[float | str | dict[str, Any] | None, _ADHESION] = None
     opening: Annotated[str | dict[str, Any], _OPENING] = "vented"
     transversal_conductivity: Annotated[
-        float,
-        Quantity("m/(Pa s)", "[1e-24, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)"),
+        float, Quantity("m/(Pa s)", "[1e-24, 1]", "transversal conductivity; not used when drained", "1e-8 m/(Pa s)")
     ] = 1e-8
     residual_aperture: Annotated[
         float,
@@ -344,8 +337,7 @@ class Path(Section):
     ] = None
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
     role: Annotated[
-        str,
-        Choice(ROLES, "whether springs are made from this path, their memory of reversals, or it only checks them"),
+        str, Choice(ROLES, "whether springs are made from this path, their memory of reversals, or it only checks them")
     ] = "calibration"
     report_at: Annotated[
         tuple[float, ...],

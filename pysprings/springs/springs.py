@@ -21,15 +21,7 @@ from pysprings.core.path_kinds import MEMORY
 from pysprings.core.vertical_loads import same_load
 from pysprings.springs import path_sets
 from pysprings.springs.checks import check_schema, validate_springs
-from pysprings.springs.path import (
-    SpacePath,
-    SpringPath,
-    is_rate,
-    paths_of,
-    pure_of,
-    rays_of,
-    space_paths_of,
-)
+from pysprings.springs.path import SpacePath, SpringPath, is_rate, paths_of, pure_of, rays_of, space_paths_of
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.path_sets import Between, LoadSet, RateSet
 

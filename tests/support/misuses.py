@@ -85,11 +85,7 @@ VERTICAL = (
     _m("uplift without a vertical path", "predict one.nc --H 100kN --V -1MN", "V is known from 0 to 4000000 N"),
     _m("V other than that of the paths", "predict one.nc --H 100kN --V 2.7MN", "is not that of path 'pull'", WARNED),
     _m("the same, with --strict", "predict one.nc --H 100kN --V 2.7MN --strict", "is not that of path 'pull'"),
-    _m(
-        "V beyond the vertical springs",
-        "predict down.nc --V 60MN",
-        "beyond the vertical springs .path down",
-    ),
+    _m("V beyond the vertical springs", "predict down.nc --V 60MN", "beyond the vertical springs .path down"),
     _m("V against the only vertical path", "predict down.nc --V 1MN", "no vertical path leads upwards"),
     _m("V with springs from a table", "predict py.csv --H 10kN --V 1MN", "leave V out"),
 )

@@ -152,10 +152,7 @@ def make_result(paths: tuple[Path, ...] = (Path(),), caisson: Caisson | None = N
         "status": "complete",
         "history": "made by a test",
     }
-    groups: dict[str, xr.Dataset] = {
-        "/": xr.Dataset(attrs=attrs),
-        "/section": variables.attach(section, "section"),
-    }
+    groups: dict[str, xr.Dataset] = {"/": xr.Dataset(attrs=attrs), "/section": variables.attach(section, "section")}
     for path in paths:
         groups[f"/paths/{path.name}"] = path_dataset(c, path)
         groups[f"/paths/{path.name}/convergence"] = convergence_dataset(path.steps)

@@ -95,10 +95,7 @@ LONG: dict[str, Rows] = {
 }
 # Many increments in clay: up to a few minutes each
 LONGEST: dict[str, Rows] = (
-    {
-        "circle on clay, three meshes": clay.circle_order_rows,
-        "disc turns on clay under V": clay.disc_moment_rows,
-    }
+    {"circle on clay, three meshes": clay.circle_order_rows, "disc turns on clay under V": clay.disc_moment_rows}
     | {
         f"{clay.caisson_name(*caisson)}, {load}": partial(clay.caisson_case, *caisson, load)
         for caisson, loads in clay.CAISSONS.items()
@@ -113,9 +110,7 @@ LONGEST: dict[str, Rows] = (
         f"{clay.caisson_name(*clay.ENVELOPE)}, V/V_ult {share:g}": partial(clay.envelope_case, share)
         for share in (0.0, 0.5)
     }
-    | {
-        f"{clay.caisson_name(*clay.ENVELOPE)}, rotation about the tip": clay.about_tip_case,
-    }
+    | {f"{clay.caisson_name(*clay.ENVELOPE)}, rotation about the tip": clay.about_tip_case}
 )
 
 

@@ -16,13 +16,7 @@ from pysprings.model.build import Built
 from pysprings.model.contact import defaults_of, penalty_of
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect
 from pysprings.model.forecast.omissions import left_out, symmetric_factors
-from pysprings.model.forecast.resources import (
-    gigabytes,
-    model_bytes,
-    refuse_what_cannot_fit,
-    size_of,
-    steps_bytes,
-)
+from pysprings.model.forecast.resources import gigabytes, model_bytes, refuse_what_cannot_fit, size_of, steps_bytes
 from pysprings.model.forecast.run_time import path_seconds, seconds, superlu_bytes, uses_superlu
 from pysprings.model.fourier import BuiltFourier, build
 from pysprings.model.stages import fast_paths, scene_warnings

@@ -12,17 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.registry import Registry
-from pysprings.results.exporters import (
-    beam,
-    calculix,
-    csv,
-    openfast,
-    opensees,
-    paraview,
-    sacs,
-    subdyn,
-    xlsx,
-)
+from pysprings.results.exporters import beam, calculix, csv, openfast, opensees, paraview, sacs, subdyn, xlsx
 from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
 
 if TYPE_CHECKING:

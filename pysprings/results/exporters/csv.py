@@ -117,11 +117,7 @@ def _path(path: xr.Dataset) -> dict[str, Any]:
 
 
 def _variable(data: xr.DataArray) -> dict[str, Any]:
-    return {
-        "dims": [str(name) for name in data.dims],
-        "units": data.attrs.get("units", "1"),
-        "values": data.values,
-    }
+    return {"dims": [str(name) for name in data.dims], "units": data.attrs.get("units", "1"), "values": data.values}
 
 
 def _write_netcdf(source: Source, target: Target, _options: Options) -> Exported:

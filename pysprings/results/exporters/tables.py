@@ -49,18 +49,7 @@ IN_SPACE = {
 
 # The first ten columns are the public contract; the rest hold the companions of p.
 PY_COLUMNS = [
-    *(
-        "path",
-        "family",
-        "depth_m",
-        "depth_top_m",
-        "depth_bottom_m",
-        "side",
-        "component",
-        "step",
-        "y_m",
-        "p_N_per_m",
-    ),
+    *("path", "family", "depth_m", "depth_top_m", "depth_bottom_m", "side", "component", "step", "y_m", "p_N_per_m"),
     *("rotation_rad", "w_m", "m_Nm_per_m", "t_N_per_m", "H_N", "V_N", "M_Nm", "converged"),
 ]
 

@@ -46,13 +46,7 @@ def py_curves(path: xr.Dataset, depths: Iterable[float] | None = None) -> Figure
         style.zero_lines(axes)
     handles, names = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside right center", title="depth")
-    style.set_title(
-        figure,
-        "p-y curves by depth below mudline",
-        path.attrs,
-        EDGE_WORDS,
-        depth_words(path, depths),
-    )
+    style.set_title(figure, "p-y curves by depth below mudline", path.attrs, EDGE_WORDS, depth_words(path, depths))
     return figure
 
 

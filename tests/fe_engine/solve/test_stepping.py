@@ -50,10 +50,7 @@ def test_committed_controls_are_the_fraction_at_every_step():
 
 
 @settings(max_examples=200, deadline=None, derandomize=True, database=None)
-@given(
-    stops=st.lists(st.floats(1e-3, 0.999), max_size=4),
-    sizes=st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=4),
-)
+@given(stops=st.lists(st.floats(1e-3, 0.999), max_size=4), sizes=st.lists(st.floats(1e-3, 1.0), min_size=1, max_size=4))
 def test_steps_never_pass_a_stop_and_leave_no_sliver(stops, sizes):
     done, ends = 0.0, []
     while done < 1.0:

@@ -26,13 +26,7 @@ def test_trees_agree_with_the_table():
 
 def test_depth_is_a_cf_vertical_coordinate():
     depth = make_springs()["paths/pull/depth"]
-    expected = {
-        "standard_name": "depth",
-        "positive": "down",
-        "axis": "Z",
-        "bounds": "depth_bounds",
-        "units": "m",
-    }
+    expected = {"standard_name": "depth", "positive": "down", "axis": "Z", "bounds": "depth_bounds", "units": "m"}
     assert expected.items() <= depth.attrs.items()
 
 

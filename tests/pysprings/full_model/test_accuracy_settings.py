@@ -16,11 +16,7 @@ from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import target, two_mesh
 from pysprings.full_model.accuracy.curves import SLICES
 from pysprings.full_model.accuracy.measures import cell_size
-from pysprings.full_model.accuracy.own_estimate import (
-    companions_of,
-    estimates_by_default,
-    with_estimate,
-)
+from pysprings.full_model.accuracy.own_estimate import companions_of, estimates_by_default, with_estimate
 from pysprings.full_model.accuracy.presets import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status

@@ -99,10 +99,7 @@ def test_a_sealed_lid_carries_suction_and_a_vented_one_none():
 
 @pytest.mark.parametrize("discretisation", MESHES)
 def test_contact_follows_the_layers_and_surfaces(discretisation):
-    layers = [
-        SAND | {"cohesion": 2e3},
-        {"top": 2.0, "undrained_shear_strength": {"top": 20e3, "bottom": 70e3}},
-    ]
+    layers = [SAND | {"cohesion": 2e3}, {"top": 2.0, "undrained_shear_strength": {"top": 20e3, "bottom": 70e3}}]
     opening = {"outside": "vented", "inside": "sealed", "lid": "bonded", "tip": "sealed"}
     scene = clay(
         discretisation, {"layers": layers, "undrained_shear_strength": 20e3},

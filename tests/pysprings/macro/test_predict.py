@@ -14,15 +14,7 @@ from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, RunIncomplete, UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.predict import (
-    MacroModel,
-    MacroWarning,
-    PredictionNotConverged,
-    curve,
-    impose,
-    predict,
-    sequence,
-)
+from pysprings.macro.predict import MacroModel, MacroWarning, PredictionNotConverged, curve, impose, predict, sequence
 from pysprings.macro.stiffness import stiffness
 from tests.support.closed_forms import (
     DEPTH,

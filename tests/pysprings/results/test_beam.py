@@ -21,11 +21,7 @@ from tests.support.commands import command
 from tests.support.synthetic import Path, make_springs
 from tests.support.vertical import vertical_springs
 
-PATHS = (
-    Path("across", "translation"),
-    Path("over", "rotation"),
-    Path("pull", arm=6.0, role="held-back", steps=30),
-)
+PATHS = (Path("across", "translation"), Path("over", "rotation"), Path("pull", arm=6.0, role="held-back", steps=30))
 DEPTHS = "0.4, 1.3, 2.2, 3.6 m"
 
 

@@ -129,10 +129,7 @@ def test_a_file_of_every_run(folder: Path) -> None:
         (["--to", "toy", "--option", "factor=1.5"], "--option factor: '1.5' is not an integer"),
         (["--to", "toy", "--option", "form=wide"], "--option form: 'wide' is not one of long, short"),
         (["--to", "toy", "--option", "signed=1"], "--option signed: '1' is not true or false"),
-        (
-            ["--to", "toy", "--option", "V=4 m"],
-            '--option V: "4 m" is a length; expected a force such as "4 MN"',
-        ),
+        (["--to", "toy", "--option", "V=4 m"], '--option V: "4 m" is a length; expected a force such as "4 MN"'),
     ],
 )
 def test_what_is_refused(toy: Exporter, folder: Path, args: list[str], message: str) -> None:

@@ -111,13 +111,7 @@ def test_workbook_sheets_frozen_and_charted(book):
 
 def test_workbook_says_what_it_is(book):
     words = "\n".join(str(cell.value) for row in book["About"].iter_rows() for cell in row if cell.value)
-    expected = [
-        "pysprings 0.0.0",
-        "0" * 64,
-        "kN, m, mm, mrad",
-        "monotonic backbone, not cyclic",
-        "M = H*arm",
-    ]
+    expected = ["pysprings 0.0.0", "0" * 64, "kN, m, mm, mrad", "monotonic backbone, not cyclic", "M = H*arm"]
     expected += ["drained", "|u| to 5 mm", "Beyond this range every use is an extrapolation", "load -67"]
     assert [text for text in expected if text not in words] == []
 

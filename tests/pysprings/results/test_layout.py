@@ -6,13 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pysprings.results.layout import (
-    picture_kind,
-    pictures_in,
-    remove_results,
-    results_in,
-    run_files,
-)
+from pysprings.results.layout import picture_kind, pictures_in, remove_results, results_in, run_files
 from pysprings.results.plots.draw import PICTURES
 
 OURS = ["mesh.png", "pull_py.svg", "a_b_gap_2.5mm.png", "a-1_stress_outside_last.png"]

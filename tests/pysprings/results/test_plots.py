@@ -338,20 +338,12 @@ def test_gap_titles_state_where_and_how_wide(pull: xr.Dataset) -> None:
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     place = f"azimuth 45°, depth {float(pull['depth'][2]):.2f} m"
     assert f"inside: max 3.21 mm\nat {place}" in titles
-    assert {
-        "outside: closed everywhere",
-        "under the lid: closed everywhere",
-        "under the tip: closed everywhere",
-    } < set(titles)
+    assert {f"{part}: closed everywhere" for part in ("outside", "under the lid", "under the tip")} < set(titles)
     assert f"max 3.21 mm: inside, {place}" in title(figure)
 
 
 def test_lid_map_takes_the_nearest_station_of_the_mirrored_half() -> None:
-    x, y, width = (
-        np.array([1.0, 0.0, -1.0, 0.3]),
-        np.array([0.0, 1.0, 0.0, 0.2]),
-        np.array([1.0, 2.0, 3.0, 4.0]),
-    )
+    x, y, width = (np.array([1.0, 0.0, -1.0, 0.3]), np.array([0.0, 1.0, 0.0, 0.2]), np.array([1.0, 2.0, 3.0, 4.0]))
     image = gap.nearest_station_image(x, y, width, n=41)
     assert [image[20, 40], image[40, 20], image[0, 20], image[20, 0]] == [1.0, 2.0, 2.0, 3.0]
     assert image[24, 26] == image[16, 26] == 4.0

@@ -339,13 +339,7 @@ def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
     root = ET.fromstring(file.read_text(encoding="utf-8"))
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     words = " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
-    for rule in (
-        "u_x(z) = u − rotation·z",
-        "M = H·h",
-        "H = Σ p dz + H_tip + H_lid",
-        "compression positive",
-        "θ = 0",
-    ):
+    for rule in ("u_x(z) = u − rotation·z", "M = H·h", "H = Σ p dz + H_tip + H_lid", "compression positive", "θ = 0"):
         assert rule in words
     _, _, width, height = (float(v) for v in root.attrib["viewBox"].split())
     for text in root.iter("{http://www.w3.org/2000/svg}text"):

@@ -18,8 +18,7 @@ def test_rays_turn_back_under_each_vertical_load_and_rate() -> None:
     """Three under each, with the motion of those of the scene's load, at the rate all along their way."""
     rates, loads = (1e-5, 1e-3), (3e6, 5e6)
     scene = tiny.sand(
-        springs={"reach": REACH, "memory": True, "vertical_loads": loads, "rates": rates},
-        drainage={"mode": "coupled"},
+        springs={"reach": REACH, "memory": True, "vertical_loads": loads, "rates": rates}, drainage={"mode": "coupled"}
     )
     turning = {path.name: path for path in scene.load_paths if path.role == MEMORY}
     assert len(turning) == 3 * 3 * 2

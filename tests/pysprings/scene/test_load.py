@@ -46,12 +46,7 @@ def test_defaults_are_the_paper_s_drained_caisson() -> None:
     assert (contact.friction_coefficient, contact.transversal_conductivity) == (0.5, 1e-8)
     assert contact.residual_aperture == 1e-5
     (path,) = scene.load_paths
-    assert (path.kind, path.lateral_displacement, path.rate, path.report_at) == (
-        "pull",
-        0.02,
-        5e-5,
-        (2.5e-3,),
-    )
+    assert (path.kind, path.lateral_displacement, path.rate, path.report_at) == ("pull", 0.02, 5e-5, (2.5e-3,))
     assert (path.arm, path.heave, path.role) == (0.0, "free", "calibration")
     assert scene.drainage.mode == "drained"
 
@@ -109,8 +104,7 @@ def test_hash_depends_on_values_only() -> None:
 
 def test_python_takes_units_and_si_numbers() -> None:
     scene = tiny.sand(
-        soil={"young_modulus": "150 MPa", "cohesion": 5e3, "K0": np.float64(1)},
-        mesh={"azimuth": np.int64(16)},
+        soil={"young_modulus": "150 MPa", "cohesion": 5e3, "K0": np.float64(1)}, mesh={"azimuth": np.int64(16)}
     )
     assert (scene.soil.young_modulus, scene.soil.cohesion, scene.mesh.azimuth) == (150e6, 5e3, 16)
     assert type(scene.soil.K0) is float

@@ -95,11 +95,7 @@ def _nan_stiffness(tree):
         (_values("converged", lambda v: 0 * v), "paths/pull/converged", "at least one converged step"),
         (_values("y", lambda v: -v), "paths/pull/y", "is not u - rotation*depth"),
         (_values("depth_bounds", lambda v: 0.9 * v), "paths/pull/depth_bounds", "must cover 0 to 4 m"),
-        (
-            _values("depth_bounds", lambda v: v[:, ::-1]),
-            "paths/pull/depth_bounds",
-            "between its top and its bottom",
-        ),
+        (_values("depth_bounds", lambda v: v[:, ::-1]), "paths/pull/depth_bounds", "between its top and its bottom"),
     ],
 )
 def test_refusals(tmp_path, spoil, key, words):

@@ -14,15 +14,7 @@ from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.full_model import compute
 from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
-from pysprings.macro.predict import (
-    MacroModel,
-    MacroWarning,
-    curve,
-    impose,
-    predict,
-    sequence,
-    way_to_load,
-)
+from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict, sequence, way_to_load
 from pysprings.macro.stiffness import stiffness
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.path import paths_of
@@ -162,8 +154,7 @@ def test_a_file_without_ends_is_read_and_marked(tmp_path, status):
 
 
 @pytest.mark.parametrize(
-    ("attrs", "key"),
-    [({"end": "fine"}, "end"), ({"end_H_N": "2 MN"}, "end_H_N"), ({"end": "limit load"}, "end_H_N")],
+    ("attrs", "key"), [({"end": "fine"}, "end"), ({"end_H_N": "2 MN"}, "end_H_N"), ({"end": "limit load"}, "end_H_N")]
 )
 def test_wrong_ends_are_refused(attrs, key):
     tree = make_springs()

@@ -141,10 +141,7 @@ def test_claims_and_report_of_the_paper(runs: dict[str, paper_runs.Run], tmp_pat
         "--- figures",
         *(f"{name}: {number(value)}" for name, value in found["slow"].items() if name[:1] not in "sd"),
     ]
-    lines += [
-        "--- report.html",
-        *Outline(file.read_text(encoding="utf-8").replace(version.__version__, "0")).lines,
-    ]
+    lines += ["--- report.html", *Outline(file.read_text(encoding="utf-8").replace(version.__version__, "0")).lines]
     stored.compare(lines, TEXTS / "paper.txt", "the paper's study on the soil of tests/support/invented_soil.py")
 
 

@@ -13,14 +13,7 @@ import numpy as np
 
 from fe_engine.contact import coulomb
 from fe_engine.contact.law import Slide
-from fe_engine.conventions import (
-    CONTACT_OPEN,
-    CONTACT_SLIP,
-    CONTACT_STICK,
-    REGIME_APEX,
-    REGIME_CONE,
-    REGIME_ELASTIC,
-)
+from fe_engine.conventions import CONTACT_OPEN, CONTACT_SLIP, CONTACT_STICK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import plasol, van_eekelen
 from fe_engine.soil.law import Point
 from fe_engine.state import State
