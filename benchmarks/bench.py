@@ -37,8 +37,7 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     """Return the paper's pull to an end (m) on a preset, with an optional factor ("medium:1.4"); no pictures."""
     from pysprings import Scene
     from pysprings.full_model.accuracy.presets import read_mesh
-    from pysprings.scene.extent import PAPER
-    from pysprings.scene.sections import PAPER_SOIL
+    from pysprings.scene.sections import PAPER, PAPER_SOIL
 
     path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
     if mode == "coupled":
@@ -150,9 +149,9 @@ def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
 def _recycle(**changes: Any) -> None:
     """Have all runs of this process use earlier factors with these settings (see settings.Recycling)."""
     from fe_engine.settings import Recycling, Settings
-    from pysprings.full_model import discretise
+    from pysprings.full_model import work
 
-    discretise.Settings = partial(Settings, recycling=Recycling(**changes))  # type: ignore[misc, assignment]
+    work.Settings = partial(Settings, recycling=Recycling(**changes))  # type: ignore[misc, assignment]
 
 
 def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:

@@ -14,7 +14,7 @@ import numpy as np
 
 from fe_engine.clock import Clock
 from fe_engine.state import State
-from pysprings.full_model.discretise import make_engine
+from pysprings.full_model.work import make_engine
 from pysprings.model.forecast import domain_effect
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import FRICTIONAL, PRESETS

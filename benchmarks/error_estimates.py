@@ -35,8 +35,7 @@ from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_
 from pysprings.full_model.accuracy.presets import read_mesh
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
-from pysprings.scene.extent import PAPER
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 from pysprings.springs.path import paths_of
 
 ASKED = 0.9

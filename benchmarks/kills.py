@@ -29,8 +29,7 @@ from pysprings import Scene
 from pysprings.cli import app
 from pysprings.core.files.storage import write_text
 from pysprings.results.folder import run_to_folder
-from pysprings.scene.extent import PAPER
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 
 
 def scenes(refinement: float) -> dict[str, Scene]:

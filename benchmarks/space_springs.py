@@ -21,16 +21,15 @@ from fe_engine.state import State
 from pysprings import Scene
 from pysprings.core import variables
 from pysprings.full_model.compute import run
-from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.fourier_collect import SpaceCollector
+from pysprings.full_model.work import make_engine
 from pysprings.macro.space import compare_in_space
 from pysprings.memory.build import with_memory
 from pysprings.memory.offered import numbers_in_space
 from pysprings.memory.space_model import SpaceSprings
 from pysprings.model.fourier import build_fourier
-from pysprings.scene.extent import PAPER
 from pysprings.scene.load import load_scene
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
 from tools.evidence_store import store, to_csv

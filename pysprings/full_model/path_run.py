@@ -22,11 +22,10 @@ from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import checkpoint
 from pysprings.full_model.checkpoint import Saved
 from pysprings.full_model.diagnosis import DisplacementLimit, diagnose, during_dead_load, too_far
-from pysprings.full_model.discretise import make_collector
 from pysprings.full_model.path_checkpoint import Gathered, Standing
 from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.run_record import COMPLETE, Ending, Status
-from pysprings.full_model.work import Work
+from pysprings.full_model.work import Work, make_collector
 from pysprings.model.stages import dead_load_stage, path_stages
 from pysprings.model.water import undrained_time
 

@@ -22,12 +22,11 @@ from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, WorkerDied, Workers
 from pysprings.full_model.cavitation import warning as cavitation_warning
 from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved
-from pysprings.full_model.discretise import make_collector
 from pysprings.full_model.path_checkpoint import Gathered
 from pysprings.full_model.path_run import PathRun
 from pysprings.full_model.record import convergence_dataset, cut_back, energy_summary, summarise
 from pysprings.full_model.run_record import LimitLoad, Status
-from pysprings.full_model.work import Work, prepare
+from pysprings.full_model.work import Work, make_collector, prepare
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import path_seconds
 from pysprings.model.stages import large_motion, viscous_displacement

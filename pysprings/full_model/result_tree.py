@@ -13,9 +13,8 @@ from pysprings.core.errors import ResourceError, RunIncomplete
 from pysprings.core.variables import TORSION
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
-from pysprings.full_model.discretise import section_of, volume_of
 from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigures, RunRecord, SolverFigures, Status
-from pysprings.full_model.work import Work, environment_of
+from pysprings.full_model.work import Work, environment_of, section_of, volume_of
 from pysprings.model.contact import defaults_of
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import BuiltFourier

@@ -193,7 +193,7 @@ class PathFigures(_Part):
     increments_of_dead_load : those of them before the path, where its caisson carries more or less than the balance.
     steps_limited_by : counts by what limited the size of a step (`fe_engine.solve.step_size.LIMITS`).
     end : u, w [m], rotation [rad], H, V [N], M [N m] at the last step; off a plane those of `MOTIONS` and `LOADS`.
-    contact_rings : see `pysprings.full_model.ring_measure`.
+    contact_rings : see `pysprings.full_model.record`.
     water : volumes [m3] and range of the pressures [Pa]; None when drained.
     energy : terms of the balance [J].
     """

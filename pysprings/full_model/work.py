@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext, suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,11 +18,15 @@ import xarray as xr
 from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.assembly.system import System
+from fe_engine.balance.water import WaterBalance
 from fe_engine.clock import Clock
 from fe_engine.compiled import engine_digest
 from fe_engine.errors import FEError, LinearSolverError
 from fe_engine.linear.backends import Backend, Pardiso
+from fe_engine.linear.solver import LinearSolver
+from fe_engine.settings import Settings
 from fe_engine.solve.fourier_stage import FourierStage
+from fe_engine.solve.globalisation import EXACT
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stage import Balance, FactorStage
 from fe_engine.state import State
@@ -31,8 +35,10 @@ from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError, 
 from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Checkpoints, Cost, Loaded, Saved, scene_identity
-from pysprings.full_model.discretise import make_engine
+from pysprings.full_model.collect import Collector, section_dataset
+from pysprings.full_model.fourier_collect import FourierCollector, SpaceCollector, fourier_section_dataset
 from pysprings.full_model.run_record import PathFigures
+from pysprings.full_model.volume import fourier_volume_dataset, volume_dataset
 from pysprings.model.build import Built
 from pysprings.model.contact import penalty_of
 from pysprings.model.forecast.domain_effect import domain_effect
@@ -299,3 +305,51 @@ def factorise_and_solve_seconds(newton: Newton, state: State) -> float:
 def _factorise_and_solve(stage: FactorStage, linear: Residual, tangent: Any) -> None:
     stage.solver.factorise(tangent.matrix)
     stage.solver.solve(np.column_stack([-linear.free, tangent.columns]))
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A system and what solves it."""
+
+    system: System | FourierSystem
+    newton: Newton
+
+
+def make_engine(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Engine:
+    """Make a built model ready to run. Raises LinearSolverError."""
+    settings = Settings(scene.solver.tolerance, scene.solver.max_iterations)
+    if isinstance(built, BuiltFourier):
+        series = FourierSystem(built.model, clock)
+        return Engine(series, Newton(series, FourierStage(series, clock), settings))
+    bricks = System(built.model, clock)
+    wet, symmetric = built.model.water is not None, built.model.symmetric
+    solver = LinearSolver(scene.solver.linear, bricks.pattern.n_free, clock, wet, symmetric)
+    if scene.drainage.mode == "undrained":  # volumes hardly change: a small residual does not bound the pressures
+        settings = replace(settings, shares=(EXACT, EXACT))
+    return Engine(bricks, Newton(bricks, solver, settings))
+
+
+def make_collector(
+    scene: Scene, on: Work | Whole, balance: WaterBalance | None = None, sea: tuple[float, float] | None = None
+) -> Collector | SpaceCollector:
+    """Make what gathers the rows of a path on its model."""
+    output, built = scene.output, on.built
+    requested = output.interface_fields, output.section
+    wet = partial(scene.ground.holds_water, mode=scene.drainage.mode)
+    if isinstance(built, BuiltFourier):
+        if built.model.whole:
+            return SpaceCollector(built, lambda state: on.system.gaps(state), output.interface_fields)
+        assert isinstance(on.system, FourierSystem)
+        return FourierCollector(built, on.system, *requested, balance, sea, output.paraview, wet)
+    assert isinstance(on.system, System)
+    return Collector(built, on.system, *requested, balance, sea, output.paraview, wet)
+
+
+def section_of(built: Built | BuiltFourier) -> xr.Dataset:
+    """Return the symmetry plane of the mesh."""
+    return fourier_section_dataset(built) if isinstance(built, BuiltFourier) else section_dataset(built)
+
+
+def volume_of(built: Built | BuiltFourier) -> xr.Dataset:
+    """Return nodes and cells of the whole half model."""
+    return fourier_volume_dataset(built) if isinstance(built, BuiltFourier) else volume_dataset(built)

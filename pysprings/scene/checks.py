@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pysprings.core.path_kinds import CALIBRATION, LOADS, MEMORY, MOTIONS, PATH_KINDS, UNITS
 from pysprings.core.units import show
 from pysprings.scene.design_load import design_clashes
-from pysprings.scene.extent import Extent
 from pysprings.scene.fan import space_paths
 from pysprings.scene.interface import drainage_clashes, interface_clashes
 from pysprings.scene.layers import (
@@ -23,7 +22,7 @@ from pysprings.scene.layers import (
 )
 from pysprings.scene.positions import Clash, KeyPath
 from pysprings.scene.scene_sections import SceneSections
-from pysprings.scene.sections import Caisson, Path, Soil, Solver, Springs
+from pysprings.scene.sections import Caisson, Extent, Path, Soil, Solver, Springs
 from pysprings.scene.soils import SOIL_LAWS
 
 MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded mesh around the skirt

@@ -14,8 +14,7 @@ import numpy as np
 
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Value, follows_stress
-from pysprings.scene.extent import Extent
-from pysprings.scene.sections import BY_LAYER, Layer, Soil
+from pysprings.scene.sections import BY_LAYER, Extent, Layer, Soil
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.scene.soils.clay import TABLES, factors_of
 from pysprings.scene.soils.law import SoilLaw

@@ -11,11 +11,10 @@ import numpy as np
 
 from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Profile, Value, follows_stress
-from pysprings.scene.extent import Extent
 from pysprings.scene.fields import Interval, Quantity
 from pysprings.scene.ground import Stratum, given_values, make_ground
 from pysprings.scene.positions import Clash, KeyPath
-from pysprings.scene.sections import Layer, Soil, plain_field
+from pysprings.scene.sections import Extent, Layer, Soil, plain_field
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES, owners
 
 

@@ -9,7 +9,6 @@ from pydantic import Field as Key
 
 from pysprings.core.words import AUTO, Discretisation
 from pysprings.scene.design_load import Design
-from pysprings.scene.extent import Extent, make_extent
 from pysprings.scene.fan import fan_paths, space_paths
 from pysprings.scene.fields import Text
 from pysprings.scene.ground import Ground, make_ground
@@ -18,6 +17,7 @@ from pysprings.scene.sections import (
     Caisson,
     Domain,
     Drainage,
+    Extent,
     Interface,
     Limit,
     Mesh,
@@ -27,6 +27,7 @@ from pysprings.scene.sections import (
     Soil,
     Solver,
     Springs,
+    make_extent,
 )
 
 

@@ -22,8 +22,7 @@ from pysprings.full_model.run_record import COMPLETE
 from pysprings.full_model.work import Work
 from pysprings.model.build import Built, build_model, build_on
 from pysprings.model.mesh import CaissonMesh
-from pysprings.scene.extent import PAPER
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 
 # Steps that do not depend on how Newton does: two models then go the same way.
 STEPS = {"first_step_fraction": 0.25, "max_step_fraction": 0.25, "tolerance": 1e-9, "max_iterations": 40}

@@ -14,9 +14,8 @@ import xarray as xr
 from pysprings import Scene
 from pysprings.full_model.compute import run
 from pysprings.scene.changes import read_changes
-from pysprings.scene.extent import PAPER
 from pysprings.scene.load import SceneText
-from pysprings.scene.sections import BY_LAYER, PAPER_SOIL, Soil
+from pysprings.scene.sections import BY_LAYER, PAPER, PAPER_SOIL, Soil
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.scene.toml import _pairs
 

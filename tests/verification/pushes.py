@@ -21,7 +21,7 @@ from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
 from pysprings.model.mesh import SURFACES
 from pysprings.model.stages import path_stages
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 from tests.support.models import gauss_stations
 

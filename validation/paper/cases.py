@@ -53,9 +53,8 @@ class Case:
 
         fields_only : keep contact fields but neither the symmetry plane nor pictures.
         """
-        from pysprings.scene.extent import PAPER
         from pysprings.scene.model import Scene
-        from pysprings.scene.sections import PAPER_SOIL
+        from pysprings.scene.sections import PAPER, PAPER_SOIL
 
         stops = tuple(u / 1e3 for u in self.stops_mm if u / 1e3 < self.end)
         path = {"name": PATH, "kind": "pull", "lateral_displacement": self.end, "report_at": stops}

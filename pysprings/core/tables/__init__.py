@@ -6,10 +6,9 @@ unit, `table` a sheet into the columns that a caller declares. Whatever can be r
 place.
 """
 
-from pysprings.core.tables.faults import Faults
 from pysprings.core.tables.files import ENDINGS, Sheet, is_table, sheets_of
 from pysprings.core.tables.headings import GRAVITY, Column, split
-from pysprings.core.tables.table import Table, TableNote, keyed_table, one_table, tables_of
+from pysprings.core.tables.table import Faults, Table, TableNote, keyed_table, one_table, tables_of
 
 __all__ = [
     "ENDINGS", "GRAVITY", "Column", "Faults", "Sheet", "Table", "TableNote", "is_table", "keyed_table", "one_table",

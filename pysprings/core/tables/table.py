@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,6 @@ from numpy.typing import NDArray
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.magnitudes import LARGEST, fault
 from pysprings.core.tables.cells import Cell, NotANumber, Percent, Style, is_blank, number, style_of, text_of
-from pysprings.core.tables.faults import Faults
 from pysprings.core.tables.files import Line, Sheet, sheets_of
 from pysprings.core.tables.headings import TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
 from pysprings.core.units import quoted
@@ -33,6 +33,31 @@ _INDEX = ("", "index", "#", "no", "no.", "nr", "nr.", "unnamed: 0")
 
 class TableNote(UserWarning):
     """What a reader of tables left out or joined."""
+
+
+@dataclass
+class Faults:
+    """All faults found so far; `stop` raises them."""
+
+    problems: list[Problem] = field(default_factory=list)
+    _seen: set[tuple[Any, ...]] = field(default_factory=set)
+
+    def add(self, place: tuple[str, int | None], key: str | None, message: str) -> None:
+        """Note one problem at (file, line); the first one of a cell counts."""
+        if (*place, key) not in self._seen:
+            self._seen.add((*place, key))
+            self.problems.append(Problem(file=place[0], line=place[1], key=key, message=message))
+
+    def at(self, row: Any, key: str | None, message: str) -> None:
+        """Note one problem in a row of a table (a named tuple with file and line)."""
+        self.add((str(row.file), int(row.line)), key, message)
+
+    def stop(self) -> None:
+        """Raise UserInputError when there is any problem."""
+        if not self.problems:
+            return
+        problems = sorted(self.problems, key=lambda each: (each.file or "", each.line or 0))
+        raise UserInputError(problems)
 
 
 @dataclass

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pysprings.core.tables.faults import Faults
+from pysprings.core.tables.table import Faults
 from pysprings.macro.curve_table import MAX_NEGATIVE
 from pysprings.macro.user_curves import Curve, CurveSet, CurveSprings
 

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import VERTICAL
-from pysprings.core.tables.faults import Faults
+from pysprings.core.tables.table import Faults
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.tables.curves import ROUNDING, net_rows, place_of, slices
 from pysprings.springs.path import keeps_direction

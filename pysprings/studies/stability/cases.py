@@ -46,9 +46,8 @@ class Case:
 
         Raises UserInputError or ValueError where the input is refused.
         """
-        from pysprings.scene.extent import PAPER
         from pysprings.scene.model import Scene
-        from pysprings.scene.sections import PAPER_SOIL
+        from pysprings.scene.sections import PAPER, PAPER_SOIL
 
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"
         path = {"name": "path", "kind": "pull", "lateral_displacement": reach} | ({"rate": 0.05e-3} if coupled else {})

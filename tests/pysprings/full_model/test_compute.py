@@ -13,7 +13,7 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.core import variables
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.full_model import discretise
+from pysprings.full_model import work
 from pysprings.full_model.compute import compute, run
 from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import RunRecord
@@ -361,7 +361,7 @@ def test_a_linear_solver_that_is_not_there_is_a_missing_resource(monkeypatch: py
     def missing(*_: object, **_options: object) -> None:
         raise LinearSolverError("pardiso does not load here: no library")
 
-    monkeypatch.setattr(discretise, "LinearSolver", missing)
+    monkeypatch.setattr(work, "LinearSolver", missing)
     with pytest.raises(ResourceError, match="pardiso does not load here"):
         run(tiny.scene())
 

@@ -18,13 +18,13 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
-from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.fourier_collect import around, output_azimuths
+from pysprings.full_model.work import make_engine
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
 from pysprings.model.stages import path_stages
-from pysprings.scene.extent import PAPER
 from pysprings.scene.model import Scene
+from pysprings.scene.sections import PAPER
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny

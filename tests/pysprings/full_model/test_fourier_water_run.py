@@ -15,15 +15,15 @@ from fe_engine.state import State
 from pysprings.core import variables
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute, run
-from pysprings.full_model.discretise import make_engine
+from pysprings.full_model.work import make_engine
 from pysprings.model import water
 from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.fourier import build_fourier
 from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
-from pysprings.scene.extent import PAPER
 from pysprings.scene.model import Scene
+from pysprings.scene.sections import PAPER
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny

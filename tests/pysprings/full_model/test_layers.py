@@ -11,9 +11,9 @@ from fe_engine.clock import Clock
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.full_model.compute import compute
-from pysprings.full_model.discretise import make_engine
+from pysprings.full_model.work import make_engine
 from pysprings.model.fourier import build
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny

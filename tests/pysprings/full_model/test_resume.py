@@ -26,7 +26,7 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.full_model import cavitation, checkpoint, discretise, path_run, work
+from pysprings.full_model import cavitation, checkpoint, path_run, work
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.full_model.work import differences
@@ -115,7 +115,7 @@ def test_factors_of_earlier_tangents_go_on_too(
 ) -> None:
     """As large models solve: what the factors were made from is in the checkpoint."""
     own = record_of(straight("drained"))["solver"]["factorisations"]
-    monkeypatch.setattr(discretise, "Settings", partial(Settings, recycling=Recycling(start=0)))
+    monkeypatch.setattr(work, "Settings", partial(Settings, recycling=Recycling(start=0)))
     whole = compute(drained()).recorded()
     assert record_of(whole)["solver"]["factorisations"] < own
     done = 0

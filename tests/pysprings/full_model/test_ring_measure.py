@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.full_model.ring_measure import contact_alternation
+from pysprings.full_model.record import contact_alternation
 from tests.support import tiny
 
 N = 17

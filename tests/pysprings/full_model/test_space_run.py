@@ -24,9 +24,8 @@ from pysprings.full_model.work import prepare
 from pysprings.model.stages import path_stages
 from pysprings.results.exporters.tables import load_displacement
 from pysprings.results.folder import run_to_folder
-from pysprings.scene.extent import PAPER
 from pysprings.scene.load import parse_scene
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 from tests.support import tiny
 from tests.support.files import read_record
 

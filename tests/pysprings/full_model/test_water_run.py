@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from fe_engine.solve.globalisation import EXACT
-from pysprings.full_model import discretise
+from pysprings.full_model import work
 from pysprings.full_model.cavitation import ATMOSPHERE, VAPOUR, Margin, smallest_margin, warning
 from pysprings.full_model.compute import compute, run
 from pysprings.model.build import build_model
@@ -69,7 +69,7 @@ def test_linear_systems_are_solved_exactly_where_nothing_flows(
     monkeypatch: pytest.MonkeyPatch, mode: str, exact: bool
 ) -> None:
     seen = []
-    monkeypatch.setattr(discretise, "Newton", lambda system, solver, settings: seen.append(settings) or 1 / 0)
+    monkeypatch.setattr(work, "Newton", lambda system, solver, settings: seen.append(settings) or 1 / 0)
     with pytest.raises(ZeroDivisionError):
         run(tiny.wet(mode))
     assert [settings.shares for settings in seen] == [(EXACT, EXACT) if exact else None]

@@ -20,12 +20,10 @@ from pysprings import Scene
 from pysprings.core.variables import TORSION
 from pysprings.full_model import compute
 from pysprings.full_model import work as work_module
-from pysprings.full_model.discretise import make_engine
-from pysprings.full_model.work import prepare
+from pysprings.full_model.work import make_engine, prepare
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import BuiltFourier, build_fourier
-from pysprings.scene.extent import PAPER
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 
 PATH = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3}
 G, NU = 10e6, 0.3

@@ -14,8 +14,8 @@ from fe_engine.elements import fourier as elements
 from fe_engine.solve.stepping import Driver
 from fe_engine.state import State, initial_fields
 from pysprings.full_model.compute import compute
-from pysprings.full_model.discretise import make_engine
 from pysprings.full_model.fourier_collect import FourierCollector
+from pysprings.full_model.work import make_engine
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.estimate import describe
 from pysprings.model.fourier import build, build_fourier
@@ -120,7 +120,7 @@ def test_the_section_is_the_rigid_one_and_what_has_bent_and_turns_oval():
 
 def test_mean_fibre_and_diameters_are_those_of_the_walls_around_the_ring():
     """Beside plain sums over 64 azimuths of both walls."""
-    from pysprings.full_model.discretise import make_engine
+    from pysprings.full_model.work import make_engine
 
     given = scene()
     built = build_fourier(given)

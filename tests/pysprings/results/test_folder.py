@@ -21,7 +21,7 @@ import pysprings.results.folder
 from fe_engine.errors import LinearSolverError
 from fe_engine.solve import step_size
 from pysprings.core.errors import RunIncomplete, UserInputError
-from pysprings.full_model import discretise
+from pysprings.full_model import work
 from pysprings.macro.comparison import Comparison, compare
 from pysprings.macro.predict import predict
 from pysprings.model import build
@@ -242,7 +242,7 @@ def test_what_is_refused_leaves_the_folder_untouched(
         def missing(*_: object, **_options: object) -> None:
             raise LinearSolverError("no library")
 
-        monkeypatch.setattr(discretise, "LinearSolver", missing)
+        monkeypatch.setattr(work, "LinearSolver", missing)
     file = tmp_path / "caisson.toml"
     file.write_text(text, encoding="utf-8")
     before = contents(folder)

@@ -8,7 +8,7 @@ import xarray as xr
 from pysprings import Scene
 from pysprings.results.plots.ground import PICTURE
 from pysprings.results.plots.picture import View
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 
 LAYERS = [

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from pysprings.core.errors import UserInputError
 from pysprings.model.fourier import build
 from pysprings.scene.defaults import implausible, remarks
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 
 LAYERS = """\

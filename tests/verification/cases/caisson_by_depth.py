@@ -17,9 +17,9 @@ import numpy as np
 from fe_engine.clock import Clock
 from fe_engine.state import State
 from pysprings import Scene
-from pysprings.full_model.discretise import make_engine
+from pysprings.full_model.work import make_engine
 from pysprings.model.fourier import build
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 from tests.verification.rows import Row
 

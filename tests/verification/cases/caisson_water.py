@@ -24,7 +24,7 @@ from pysprings.full_model.compute import compute
 from pysprings.model.build import build_model
 from pysprings.model.stages import path_stages
 from pysprings.model.water import undrained_time
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 from tests.verification.cases.undrained_column import checkerboard
 from tests.verification.rows import Row

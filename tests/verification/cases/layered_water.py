@@ -21,7 +21,7 @@ from fe_engine.model import Model
 from fe_engine.solve.newton import Newton
 from pysprings import Scene
 from pysprings.full_model.compute import compute
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 from tests.verification.blocks import YOUNG, loaded, make_newton
 from tests.verification.cases import caisson_water, series_water, terzaghi

@@ -23,7 +23,7 @@ from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.newton import Newton
 from pysprings.full_model.compute import compute
 from pysprings.model.fourier import nodal_rings
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 from tests.support.fourier_models import section
 from tests.verification.blocks import elastic_soil

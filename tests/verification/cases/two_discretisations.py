@@ -15,7 +15,7 @@ from pysprings.full_model.accuracy.curves import LOAD, OTHER, curves_of, samples
 from pysprings.full_model.accuracy.measures import Reference, cell_size
 from pysprings.full_model.accuracy.presets import QUICK_SERIES, read_mesh
 from pysprings.full_model.compute import compute
-from pysprings.scene.extent import PAPER
+from pysprings.scene.sections import PAPER
 from tests.support import tiny
 from tests.verification.rows import Row
 
