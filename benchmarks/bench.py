@@ -48,16 +48,11 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
 
 
 def record(mesh: str, end: float, mode: str = "drained") -> RunRecord:
-    """Return the record of the paper's pull to an end (m), see `scene`; its unit timed."""
-    return record_of(scene(mesh, end, mode))
-
-
-def record_of(chosen: Any) -> RunRecord:
-    """Return the record of the run of a scene in a process of its own."""
+    """Return the record of the paper's pull to an end (m), see `scene`, in a process of its own; its unit timed."""
     from pysprings.studies.accuracy.runs import run_in_child
 
     with tempfile.TemporaryDirectory() as folder:
-        run_in_child(chosen, Path(folder) / "run", lambda *_: None)
+        run_in_child(scene(mesh, end, mode), Path(folder) / "run", lambda *_: None)
         ended = RunRecord.read(Path(folder) / "run")
     assert ended is not None
     return ended

@@ -26,8 +26,6 @@ from pysprings.springs.springs import Springs
 
 CASES = 10_000
 REPEATS = 20
-
-
 ANGLES = (0.0, 20.0, 30.0, 40.0, 50.0, 60.0, -45.0, 90.0)  # degrees of (u, rotation times skirt length)
 LENGTH, RINGS, STEPS = 4.0, 9, 24  # m
 

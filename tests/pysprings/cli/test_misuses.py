@@ -32,7 +32,7 @@ def test_there_are_enough() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("misuse", MISUSES, ids=lambda each: each.command)
+@pytest.mark.parametrize("misuse", MISUSES, ids=lambda each: f"{each.what}: {each.command}")
 def test_none_is_answered_without_a_word(misuse: Misuse, said: dict[str, Result]) -> None:
     done = said[misuse.command]
     assert (done.code, bool(re.search(misuse.says, done.err))) == (misuse.code, True), done.err
