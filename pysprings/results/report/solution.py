@@ -60,6 +60,8 @@ def cut_back_table(figures: Mapping[str, PathFigures]) -> Table | None:
 
 
 def _with_place(rings: Mapping[str, Any], name: str) -> str:
+    if name not in rings:
+        return "not measured: interface fields were not kept"
     place = rings[f"{name}_at"]
     return number(rings[name], 3) + (f" ({place})" if place else "")
 
@@ -68,18 +70,17 @@ _RINGS = (
     _PATH,
     Column("alternation", lambda row: _with_place(row, "alternation"), words=True),
     Column("largest second difference", lambda row: _with_place(row, "second_difference"), words=True),
-    Column(
-        "open stations between two loaded ones", lambda row: f"{row['isolated_open']} of {row['stations']}", words=True
-    ),
+    Column("open stations between two loaded ones", "isolated_open"),
+    Column("of stations", "stations"),
 )
 
 
 def ring_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """State, path by path, whether contact pressure and opening alternate around the rings of the skirt.
 
-    None where interface fields were not kept.
+    Paths off a plane are left out; None without others.
     """
-    rows = [{"path": name, **path.contact_rings} for name, path in figures.items() if path.contact_rings]
+    rows = [{"path": name} | (path.contact_rings or {}) for name, path in figures.items() if "u_x" not in path.end]
     note = (
         "Normal effective stress at neighbouring stations of a ring (one side, one depth), over the ring's mean "
         "(now or at the start, the larger); largest over all steps. Second difference: p(i-1) - 2 p(i) + p(i+1); "
