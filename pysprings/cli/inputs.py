@@ -18,9 +18,17 @@ if TYPE_CHECKING:
 
 
 def springs_of(result: Path, strict: bool = False) -> xr.DataTree:
-    """Open the springs of a result folder or spring file, as `read_springs`; refuse a run that has not ended."""
+    """Open the springs of a result folder or spring file, as `read_springs`; refuse a run that has not ended.
+
+    With `strict` a file without the checksum of this program, which another one has written or changed, is refused.
+    """
+    from pysprings.core.files.storage import CHANGED_ELSEWHERE, bytes_hold
+
     refuse_unfinished(result, strict)
-    return read_springs(result)
+    springs, file = read_springs(result), result / "springs.nc" if result.is_dir() else result
+    if strict and bytes_hold(file) is None:
+        refuse("--strict", CHANGED_ELSEWHERE, file)
+    return springs
 
 
 def refuse_unfinished(result: Path, strict: bool = False) -> None:

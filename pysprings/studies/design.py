@@ -133,7 +133,8 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
             name = max(values, key=lambda each: abs(values[each]), default="")
             row[column] = values.get(name, np.nan)
             found.setdefault(name, []).append(words)
-        row["tilt_deg"] = degrees(abs(row["rotation_rad"]))
+        for column in ("tilt_deg", *(name for name in row.index if name.startswith("group_"))):
+            row[column] = max((each[column] for each in own.values()), key=abs) if known else np.nan
         row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
         row["estimate"] = ", ".join(f"{name} ({', '.join(words)})" for name, words in found.items() if name)
         rows.append(row)

@@ -33,7 +33,9 @@ from pysprings.core.errors import refused
 from pysprings.core.planes import in_plane
 from pysprings.core.tables import Column, one_table
 from pysprings.core.tables.headings import TEXT
+from pysprings.core.tables.load_cases import OPPOSED
 from pysprings.core.text import number
+from pysprings.core.units import quoted
 from pysprings.macro.batch import answer_loads
 from pysprings.studies.design import answer_cases, verdicts
 
@@ -48,6 +50,7 @@ Array = NDArray[np.float64]
 COLUMNS = (
     Column("bucket", TEXT, ("name", "caisson", "leg")), Column.named("x_m", ("east",)), Column.named("y_m", ("north",)),
 )  # fmt: skip
+LEAST, NARROW = 3, 0.2  # caissons of a group, and its width over its length
 MOST = 30  # Newton iterations of one share of a case
 CLOSE = 1e-6  # of the largest motion: differences of the caissons' motions from those of the frame
 LEAST_STEP = 1.0 / 64.0  # share of a case
@@ -70,16 +73,23 @@ class Group:
     at: Array
     joint: float = np.inf
 
-    def interaction(self, diameter: float, poisson: float = 0.3) -> tuple[float, float]:
+    @property
+    def spacing(self) -> float:
+        """Smallest distance [m] between two axes."""
+        apart = np.linalg.norm(self.at[:, None] - self.at, axis=-1)
+        return float(apart[apart > 0.0].min())
+
+    def interaction(self, diameter: float) -> tuple[float, float]:
         """Return by how much neighbours add to the settlement and to u of a caisson, at most, in elasticity.
 
         Rough rigid discs on a half-space, displacements by others those of point forces: w of one disc is
         Q (1 - nu)/(4 G R), of a force at distance s Q (1 - nu)/(2 pi G s) (Boussinesq 1885), so that each adds
-        D/(pi s); u along the force is Q (2 - nu)/(8 G R) and Q/(2 pi G s) (Cerruti 1882): 2 D/(pi s (2 - nu)).
+        D/(pi s); u along the force is Q (2 - nu)/(8 G R) and Q/(2 pi G s) (Cerruti 1882): 2 D/(pi s (2 - nu)),
+        with nu 0.5, which adds most.
         """
         apart = np.linalg.norm(self.at[:, None] - self.at, axis=-1)
         near = (diameter / (np.pi * apart[apart > 0.0].reshape(len(self.name), -1))).sum(axis=1).max()
-        return float(near), float(2.0 * near / (2.0 - poisson))
+        return float(near), float(2.0 * near / (2.0 - 0.5))
 
 
 def read_group(path: Path, joint: float = np.inf) -> Group:
@@ -95,8 +105,14 @@ def read_group(path: Path, joint: float = np.inf) -> Group:
             table.fault(k, "x_m", "blank: a position has x and y")
         if any(np.array_equal(position, other) for other in at[:k]):
             table.fault(k, "x_m", "two caissons at one place")
-    if len(at) < 2:
-        table.fault(None, None, "a group has two caissons or more")
+        if names[k] and names[k] in names[:k]:
+            table.fault(k, "bucket", f"{quoted(names[k])} is the name of another caisson")
+    if len(at) < LEAST:
+        table.fault(None, None, f"a group has {LEAST} caissons or more")
+    table.faults.stop()
+    wide, narrow = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
+    if narrow < NARROW * wide:
+        table.fault(None, None, "the caissons stand on a line: push and pull carry no moment across it")
     table.faults.stop()
     return Group(tuple(name or str(k + 1) for k, name in enumerate(names)), at, joint)
 
@@ -113,29 +129,35 @@ def answer_group(
     rest = answer_loads(springs, np.zeros((1, 2)), np.array([np.nan]), **choice)
     if "w" not in rest:
         raise refused("--group", "these springs have no vertical path: nothing shares V and M among caissons")
+    D = float(rest.attrs.get("outer_diameter_m", np.nan))
+    if group.spacing <= D:
+        raise refused("--group", f"axes {group.spacing:g} m apart: caissons of {D:g} m overlap")
     given = np.where(np.isnan(cases.V), len(group.name) * float(rest["V"].values[0]), cases.V)
     cases = replace(cases, V=given)
     found = [_shared(springs, cases, k, group, extrapolate, choice) for k in range(len(cases))]
+    failed = np.array([why for *_, why in found])
     rows = np.repeat(np.arange(len(cases)), len(group.name))
-    every = _of_buckets(cases, group, [loads for loads, _, _ in found])
+    every = _of_buckets(cases, group, [loads for loads, *_ in found])
     frame = answer_cases(springs, every, tilt, extrapolate, **choice)
-    motions, carried = np.stack([q for _, q, _ in found])[rows], np.array([share for _, _, share in found])[rows]
-    lost = carried < 1.0
+    motions, lost = np.stack([q for _, q, _ in found])[rows], (failed != "")[rows]
     motions[lost] = np.nan
     frame = frame.assign(group_u_m=motions[:, 0], group_w_m=motions[:, 1], group_rotation_rad=motions[:, 2])
-    frame["group_roll_rad"] = motions[:, 3]
     turn = np.hypot(motions[:, 2], motions[:, 3])
+    frame = frame.assign(group_roll_rad=motions[:, 3], group_tilt_deg=np.degrees(turn), tilt_deg=np.degrees(turn))
     frame["tilt_used"] = turn / np.radians(frame["tilt_limit_deg"])
-    frame["tilt_deg"] = np.degrees(turn)
-    blank = [name for name in frame if frame[name].dtype.kind == "f" and name not in ("V_N", "tilt_limit_deg")]
-    frame.loc[lost, blank] = np.nan
-    frame.loc[lost, "answered"] = 0
-    frame.loc[lost, "marks"] = [
-        f"the group is in equilibrium up to {100.0 * x:.0f} % of the case" for x in carried[lost]
-    ]
+    kept = ("direction_deg", "tilt_limit_deg")
+    frame.loc[lost, [name for name in frame if frame[name].dtype.kind == "f" and name not in kept]] = np.nan
+    frame.loc[lost, ["answered", "capacity_kind"]] = 0, ""
+    frame.loc[lost, "marks"] = failed[rows][lost]
+    frame["remarks"] = [_without_opposed(text) for text in frame["remarks"]]
     frame = frame.assign(verdict=verdicts(frame))
-    frame.attrs["group"] = _words(group, float(rest.attrs.get("outer_diameter_m", np.nan)))
+    frame.attrs["group"] = _words(group, D)
     return frame
+
+
+def _without_opposed(remarks: str) -> str:
+    """Return remarks without that on an M against H, which a caisson under a frame has as a rule."""
+    return "; ".join(text for text in remarks.split("; ") if not text.startswith(OPPOSED))
 
 
 def _words(group: Group, diameter: float) -> str:
@@ -144,8 +166,9 @@ def _words(group: Group, diameter: float) -> str:
     joints = "rigid" if np.isinf(group.joint) else f"of {number(1e-6 * group.joint)} MN m/rad"
     return (
         f"{len(group.name)} caissons under a rigid frame, joints {joints}; M about the origin of the positions. "
-        f"Interaction through the soil is left out: in an elastic half-space neighbours add at most {down} % to the "
-        f"settlement and {along} % to u (Boussinesq, Cerruti)"
+        f"Left out are the twist of the frame, bending of caissons across the plane of H, and interaction through the "
+        f"soil: in an elastic half-space neighbours add at most {down} % to the settlement and {along} % to u "
+        "(Boussinesq, Cerruti)"
     )
 
 
@@ -157,7 +180,10 @@ def _of_buckets(cases: LoadCases, group: Group, loads: list[Array]) -> LoadCases
     along = np.stack([np.cos(way), np.sin(way)], axis=1)
     arm = group.at - group.at.mean(axis=0)
     around = np.tile(np.stack([-arm[:, 1], arm[:, 0]], axis=1) / (arm**2).sum(), (n, 1))
-    force = H[:, None] * along + np.repeat(cases.torsion, m)[:, None] * around
+    turning = (group.at[:, 0] * (H * along[:, 1]).reshape(n, m) - group.at[:, 1] * (H * along[:, 0]).reshape(n, m)).sum(
+        axis=1
+    )
+    force = H[:, None] * along + np.repeat(cases.torsion - turning, m)[:, None] * around
     planes = in_plane(force, M[:, None] * along)
     turned = np.repeat(cases.torsion != 0.0, m)
     H, M, across = (np.where(turned, a, b) for a, b in ((planes.H, H), (planes.M, M), (planes.across, 0.0 * H)))
@@ -173,14 +199,16 @@ def _of_buckets(cases: LoadCases, group: Group, loads: list[Array]) -> LoadCases
 
 def _shared(
     springs: AnySprings, cases: LoadCases, k: int, group: Group, extrapolate: bool, choice: dict[str, Any]
-) -> tuple[Array, Array, float]:
-    """Return loads (n, 3) = (H, V, M) of the caissons, the motion q (4,) of the frame, and the share of a case."""
-    n = len(group.name)
+) -> tuple[Array, Array, str]:
+    """Return loads (n, 3) = (H, V, M) of the caissons, the motion q (4,) of the frame, and why a case has no answer."""
+    n, why = len(group.name), [""]
 
     def answer(loads: Array) -> tuple[Array, Array] | None:
         """Return motions (n, 3) at the frame and tangents (n, 3, 3) there; None where a caisson has no answer."""
         found = answer_loads(springs, loads[:, [0, 2]], loads[:, 1], extrapolate, **choice)
         if not found["answered"].values.all():
+            k = int(np.argmin(found["answered"].values))
+            why[0] = f", then {group.name[k]}: {found['why_not'].values[k]}"
             return None
         motions = np.stack([found[name].values for name in _MOTIONS], axis=1)
         motions[:, 2] += loads[:, 2] / group.joint
@@ -192,7 +220,9 @@ def _shared(
     c, s = np.cos(cases.direction[k]), np.sin(cases.direction[k])
     frame = _frame(group.at @ np.array([[c, -s], [s, c]]))
     target = np.array([cases.H[k], V.sum(), cases.M[k], cases.across[k]])
-    return _followed(answer, frame, np.stack([0.0 * V, V, 0.0 * V], axis=1), target)
+    loads, q, share = _followed(answer, frame, np.stack([0.0 * V, V, 0.0 * V], axis=1), target)
+    lost = f"the group is in equilibrium up to {100.0 * share:.0f} % of the case{why[0]}"
+    return loads, q, lost if share < 1.0 else ""
 
 
 def _frame(at: Array) -> Array:

@@ -154,6 +154,9 @@ def _encoding(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     return encoding
 
 
+CHANGED_ELSEWHERE = "no checksum at its end: written or changed by another program"
+
+
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     """Read a NetCDF-4 file into memory and close it; refuse what is not one with a clear message.
 
@@ -178,8 +181,7 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     except Exception as error:  # the C libraries below raise many types on a damaged file
         raise refused(None, f"broken or incomplete NetCDF file ({error})", path) from error
     if whole is None:
-        text = "no checksum at its end: written or changed by another program, taken as it is"
-        warnings.warn(f"{path}: {text}", stacklevel=3)
+        warnings.warn(f"{path}: {CHANGED_ELSEWHERE}, taken as it is", stacklevel=3)
     return result
 
 

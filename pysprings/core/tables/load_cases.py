@@ -48,9 +48,12 @@ MOST_FACTOR = 10.0
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
 
+OPPOSED = "M turns against H"
+
+
 def below_mudline(H: float, M: float) -> str:
     """Return the remark on a moment [N m] that turns against its force [N], as a load below mudline does."""
-    return f"M turns against H, as of a load {abs(M / H):.3g} m below mudline"
+    return f"{OPPOSED}, as of a load {abs(M / H):.3g} m below mudline"
 
 
 @dataclass(frozen=True)

@@ -126,6 +126,11 @@ COLUMNS = (
     Column("u [mm]", "u_m", factor=MM),
     Column("w [mm]", "w_m", factor=MM, brief=False),
     Column("rotation [deg]", "rotation_rad", factor=math.degrees(1.0)),
+    Column("u of the frame [mm]", "group_u_m", factor=MM, brief=False),
+    Column("w of the frame [mm]", "group_w_m", factor=MM, brief=False),
+    Column("rotation of the frame [deg]", "group_rotation_rad", factor=math.degrees(1.0), brief=False),
+    Column("roll of the frame [deg]", "group_roll_rad", factor=math.degrees(1.0), brief=False),
+    Column("tilt of the frame [deg]", "group_tilt_deg"),
     Column("tilt tolerated [deg]", "tilt_limit_deg", brief=False),
     Column("tilt used", "tilt_used", form=3),
     Column("secant H/u [MN/m]", "secant_H_u_N_per_m", factor=MN, brief=False),
@@ -164,7 +169,9 @@ NOTE = (
     "springs. A case without an answer has no motion; its mark is the "
     "reason. A bound, for a moment across the plane of H and a torsion, has all of the moment in that plane and T over "
     "the radius added to H. The twist is T over the torsional stiffness at rest, the least one, or that of springs in "
-    "space; of these u and rotation are sizes of vectors, utilisation is that of H and M in the plane of H."
+    "space; of these u and rotation are sizes of vectors, utilisation is that of H and M in the plane of H. Of a group "
+    "a row is a caisson, and the tilt that counts is that of the rigid frame; its twist, bending of caissons "
+    "across the plane of H and interaction through the soil are left out."
 )
 
 
@@ -172,7 +179,8 @@ def closing(table: pd.DataFrame) -> str:
     """Return the counts of the verdicts and the cases that govern; a case without an answer does where it is beyond."""
     counts = table["verdict"].value_counts()
     parts = [f"{n:,} {verdict}" for verdict, n in counts.items()]
-    text = f"{len(table):,} case{'' if len(table) == 1 else 's'}: {', '.join(parts)}"
+    what = "row" if "group_u_m" in table else "case"
+    text = f"{len(table):,} {what}{'' if len(table) == 1 else 's'}: {', '.join(parts)}"
     for column, words in (("tilt_used", "tilt used"), ("utilisation", "utilisation"), ("utilisation_V", "V used")):
         known = table[table[column].notna() & ((table["answered"] == 1) | (table[column] > 1.0))]
         if len(known):

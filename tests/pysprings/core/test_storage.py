@@ -13,6 +13,7 @@ from xarray.backends.locks import CombinedLock
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.files.storage import leftovers, read_tree, replacing, write_attribute, write_text, write_tree
+from tests.support.commands import command
 from tests.support.synthetic import make_result, make_springs
 
 
@@ -136,6 +137,15 @@ def test_a_file_that_another_program_has_changed_or_written_is_read_with_a_warni
     with pytest.warns(UserWarning, match="taken as it is"):
         read_tree(tmp_path / "c.nc")
     assert read_tree(write_tree(tree, tmp_path / "b.nc")).identical(tree)
+
+
+@pytest.mark.filterwarnings("ignore:.*no checksum at its end")
+def test_strict_refuses_a_file_that_another_program_has_changed(tmp_path):
+    file = write_tree(make_springs(), tmp_path / "springs.nc")
+    with netCDF4.Dataset(file, "a") as data:
+        data["stiffness_initial"][0, 0] = 2.0 * data["stiffness_initial"][0, 0]
+    strict = command("predict", file, "--H", "1 kN", "--strict")
+    assert strict.code == 2 and "--strict: no checksum at its end" in strict.err
 
 
 # --- full disks ---

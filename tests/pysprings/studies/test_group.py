@@ -92,19 +92,46 @@ def test_a_torsion_is_carried_across_the_arms(elastic, tmp_path) -> None:
     assert turning.sum() == pytest.approx(3200e3, rel=1e-9)
 
 
+def test_six_components_of_the_load_are_carried(tmp_path) -> None:
+    """About the origin, whose centroid the caissons do not have: with a blank V, that of the springs at each."""
+    springs, off = vertical_springs(heavier=(4e6,)), Group(TRIANGLE.name, TRIANGLE.at + [0.5, -0.3])
+    (tmp_path / "cases.csv").write_text(
+        "name,Fx [kN],Fy [kN],Mx [kN m],My [kN m],Mz [kN m]\na,50,20,-6000,9000,400\n", encoding="utf-8"
+    )
+    found = answer_group(springs, read_load_cases(tmp_path / "cases.csv"), off)
+    way, H, M, V = (found[name].to_numpy() for name in ("direction_deg", "H_N", "M_Nm", "V_N"))
+    c, s = np.cos(np.radians(way)), np.sin(np.radians(way))
+    across = np.nan_to_num(found["across_Nm"].to_numpy())  # about the direction of H
+    M_x, M_y = c * across - s * M, s * across + c * M
+    x, y = off.at.T
+    sums = [H @ c, H @ s, (M_x - y * V).sum(), (M_y + x * V).sum(), (x * H * s - y * H * c).sum(), V.sum()]
+    whole = [50e3, 20e3, -6e6, 9e6, 400e3, 3 * rest_load(springs)]
+    assert sums == pytest.approx(whole, rel=1e-4, abs=200.0)
+
+
+def test_the_tilt_that_counts_is_that_of_the_frame(elastic, tmp_path) -> None:
+    """Soft joints: the caissons lean the other way by less than is tolerated, the frame by more."""
+    case = cases_of(tmp_path, f"a,10,8000,{4e-3 * rest_load(elastic)},0,0")
+    found = answer_group(elastic, case, Group(SQUARE.name, SQUARE.at, 1e6), tilt=5e-6)
+    assert (found["rotation_rad"].abs() < 5e-6).all() and (found["group_rotation_rad"].abs() > 5e-6).all()
+    assert set(found["verdict"]) == {"tilt exceeded"} and (found["tilt_used"] > 1.0).all()
+
+
 def test_a_case_beyond_the_springs_has_no_answer(bending, tmp_path) -> None:
     V = 3e-3 * rest_load(bending)
     found = answer_group(bending, cases_of(tmp_path, f"a,300,600,{V},0,0", f"b,90000,0,{V},0,0"), TRIANGLE)
     assert found["answered"].tolist() == [1, 1, 1, 0, 0, 0]
     beyond = found[3:]
     assert beyond[["u_m", "group_u_m", "tilt_used", "utilisation"]].isna().all(axis=None)
-    assert beyond["marks"].str.contains("in equilibrium up to").all() and set(beyond["verdict"]) == {"no answer"}
+    assert beyond["marks"].str.contains(r"in equilibrium up to \d+ % of the case, then [ABC]: ").all()
+    assert set(beyond["verdict"]) == {"no answer"} and beyond["V_N"].isna().all()
+    assert not found["remarks"].str.contains("M turns against H").any()
 
 
 def test_interaction_that_is_left_out_is_that_of_point_forces() -> None:
-    """Two discs of 8 m, 24 m apart: D/(pi s), and 2 D/(pi s (2 - nu))."""
+    """Two discs of 8 m, 24 m apart: D/(pi s), and 2 D/(pi s (2 - nu)), nu 0.5."""
     down, along = Group(("A", "B"), np.array([[0.0, 0.0], [24.0, 0.0]])).interaction(8.0)
-    assert (down, along) == pytest.approx((1.0 / (3.0 * np.pi), 2.0 / (3.0 * np.pi * 1.7)))
+    assert (down, along) == pytest.approx((1.0 / (3.0 * np.pi), 2.0 / (3.0 * np.pi * 1.5)))
 
 
 @pytest.mark.parametrize(
@@ -113,7 +140,9 @@ def test_interaction_that_is_left_out_is_that_of_point_forces() -> None:
         ("bucket,x [m]\nA,1\n", "no column y [m]"),
         ("bucket,x [m],y [m]\nA,1,2\nB,1,2\n", "two caissons at one place"),
         ("bucket,x [m],y [m]\nA,1,2\nB,,2\n", "a position has x and y"),
-        ("bucket,x [m],y [m]\nA,1,2\n", "two caissons or more"),
+        ("bucket,x [m],y [m]\nA,1,2\nB,11,2\n", "3 caissons or more"),
+        ("bucket,x [m],y [m]\nA,1,2\nB,11,2\nB,11,12\n", '"B" is the name of another caisson'),
+        ("bucket,x [m],y [m]\nA,0,0\nB,11,1\nC,22,0\n", "stand on a line"),
     ],
 )
 def test_positions_that_are_refused(tmp_path, text, words) -> None:
@@ -121,6 +150,12 @@ def test_positions_that_are_refused(tmp_path, text, words) -> None:
     with pytest.raises(UserInputError) as refused:
         read_group(tmp_path / "group.csv")
     assert words in str(refused.value)
+
+
+def test_caissons_that_overlap_are_refused(elastic, tmp_path) -> None:
+    near = Group(TRIANGLE.name, 0.1 * TRIANGLE.at)
+    with pytest.raises(UserInputError, match="overlap"):
+        answer_group(elastic, cases_of(tmp_path, "a,1,0,300,0,0"), near)
 
 
 def test_the_command_has_a_row_a_caisson(bending, tmp_path) -> None:
