@@ -329,8 +329,10 @@ def _recorded(node: xr.DataTree, of_mesh: bool) -> xr.Dataset:
     if of_mesh or EXTRAPOLATED not in node.children:
         return own
     better = node.children[EXTRAPOLATED].to_dataset(inherit=False)
-    values = {name: better.variables[name] for name in better.data_vars}  # without coordinates: nothing to align
-    return own.assign(values).assign_attrs(better.attrs)
+    values = {name: own.variables[name] for name in own.data_vars} | {
+        name: better.variables[name] for name in better.data_vars
+    }
+    return xr.Dataset(values, own.coords, own.attrs | better.attrs)  # variables: nothing to align
 
 
 # --- directions in the plane (u, rotation*L), L the skirt length ---
