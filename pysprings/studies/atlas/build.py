@@ -113,11 +113,11 @@ def atlas_of(
     with open_study(study) as data:
         title, samples = str(data.attrs["title"]), read_samples(data.load(), family)
     atlas, left = build(samples, family)
-    compared = None
+    about, compared = _about(title, samples, _left_words(left)), None
     if held_back is not None:
-        with open_study(held_back) as data:
-            atlas, compared = check.calibrated(atlas, data.load(), at)
-    return replace(atlas, about=_about(title, samples, _left_words(left), compared)), left, compared
+        with open_study(held_back) as data:  # judged with the share of the mesh, which `about` names
+            atlas, compared = check.calibrated(replace(atlas, about=about), data.load(), at)
+    return replace(atlas, about=about | {"held back": _held_back_words(compared)}), left, compared
 
 
 def left_summary(left: LeftOut) -> pd.DataFrame:
@@ -134,22 +134,25 @@ def left_summary(left: LeftOut) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _about(title: str, samples: Samples, fitted: dict[str, str], compared: pd.DataFrame | None) -> dict[str, str]:
+def _about(title: str, samples: Samples, fitted: dict[str, str]) -> dict[str, str]:
     base = samples.scene.scene()
     better = f", {EXTRAPOLATED}" if samples.extrapolated else ""
-    about = {
+    return {
         "title": title, "full models": str(len(samples.inputs)), "pysprings": __version__,
         "mesh": f"{base.mesh.preset} ({base.mesh.discretisation}){better}",
         "drainage": _drainage(base.soil.layers), **fitted,
     }  # fmt: skip
+
+
+def _held_back_words(compared: pd.DataFrame | None) -> str:
     if compared is None:
-        return about | {"held back": "not checked: the deviations lack what rays do not say of pulls"}
+        return "not checked: the deviations lack what rays do not say of pulls"
     words = []
     for row in check.summary(compared).to_dict("records"):
         place = f" at u/D {row['u_over_D']:g}" if row["u_over_D"] else ""
         words.append(f"{row['quantity']}{place} {row['largest_pct']:.2g} %")
     cases = compared.loc[compared["quantity"] != "all", "case"].nunique()
-    return about | {"held back": f"largest errors on {cases} caissons: {', '.join(words)}"}
+    return f"largest errors on {cases} caissons: {', '.join(words)}"
 
 
 def _left_words(left: LeftOut) -> dict[str, str]:

@@ -62,20 +62,23 @@ def test_motions_go_with_the_inverse_of_the_stiffness(atlas):
 
 def test_a_vertical_load_softens_the_lateral_springs(atlas):
     """Beside full models of `clay-pulls-scene.toml` under this V: H one diameter above mudline at u/D 0.1 %."""
-    for V, known in {0: 675.4e3, 2: 628.3e3, 3: 577.5e3}.items():
+    for V, known in {0: 606.1e3, 2: 555.0e3, 3: 512.8e3}.items():
         made = springs(atlas, 8.0, 4.0, "alpha=0.65", f"V={V} MN")
-        assert float(pysprings.impose(made, u=0.008, arm=8.0)["H"]) == pytest.approx(known, rel=0.025)
+        assert float(pysprings.impose(made, u=0.008, arm=8.0)["H"]) == pytest.approx(known, rel=0.05)
 
 
 def test_a_gap_outside_softens_the_springs_and_weight_closes_it():
-    """Full models of the pulls-scenes of the studies under 1 MN, pulled at mudline, carry what stands here [N]."""
+    """Full models of the pulls-scenes of the studies under 1 MN, pulled at mudline, carry what stands here [N].
+
+    Those with a gap are on sections of earlier versions, as their atlas.
+    """
     gap, bonded = (pysprings.open_atlas(name) for name in ("clay-gap", "clay"))
     clay = ("su=10 kPa", "gradient=2 kPa/m", "G/su=300", "alpha=0.65", "V=1 MN")
     light, heavy = (springs(gap, 8.0, 4.0, *clay, f"gamma={weight} kN/m^3") for weight in (7, 12))
     bonded = springs(bonded, 8.0, 4.0, *clay)
     one, other, third = (float(pysprings.impose(each, u=0.04, arm=0.0)["H"]) for each in (light, heavy, bonded))
     assert one == pytest.approx(2504e3, rel=0.04) and other == pytest.approx(2663e3, rel=0.04)
-    assert third == pytest.approx(3252e3, rel=0.04)
+    assert third == pytest.approx(2882e3, rel=0.03)  # on finer sections, extrapolated
 
 
 def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
@@ -83,7 +86,8 @@ def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
     given = json.loads(command("predict", "--atlas", "clay", *asked).out)
     own = pysprings.predict(springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN"), H=5e5, V=2e6)
     assert given["states"][-1]["u"] == pytest.approx(float(own["u"]), rel=1e-9)
-    strict = command("predict", "--atlas", "clay", *asked, "--strict")
+    assert command("predict", "--atlas", "clay", *asked, "--strict").code == 0
+    strict = command("predict", "--atlas", "clay-gap", *asked, "--strict")
     assert (strict.code, strict.out) == (2, "") and "strict: made on mesh 'coarse'" in strict.err
 
 
@@ -155,33 +159,42 @@ def test_deviations_of_motion_and_of_load_belong_together(atlas):
     assert float(under["u_deviation"]) == pytest.approx(float(moved["H_deviation"]) / free_head, rel=1e-3)
 
 
-# D, L, height of the load [m]; H [MN] and rotation [deg] of full models on the mesh `paper`, at u/D of 0.05 to 1 %
+# D, L, height of the load [m]; H [MN] and rotation [deg] of full models on the mesh `medium`, extrapolated (their own
+# estimates are 1.4 to 1.7 %), at u/D of 0.05 to 1 %
 FINER = {
     "su=8 kPa; gradient=2 kPa/m; G/su=300; alpha=0.5; caisson.vertical_load=1.5 MN": (
-        (11.0, 8.25, 22.0), (0.5959, 0.9136, 1.400, 1.606, 1.649), (0.0438, 0.0873, 0.2240, 0.4737, 1.0002),
+        (11.0, 8.25, 22.0), (0.5885, 0.8770, 1.3303, 1.5066, 1.5344), (0.0439, 0.0878, 0.2251, 0.4750, 1.0043),
     ),
     "su=20 kPa; gradient=2.5 kPa/m; G/su=200; alpha=0.65; caisson.vertical_load=6 MN": (
-        (16.0, 12.0, 32.0), (1.939, 3.590, 5.946, 7.381, 7.827), (0.0442, 0.0885, 0.2229, 0.4674, 1.0216),
+        (16.0, 12.0, 32.0), (1.9303, 3.5569, 5.7083, 7.0733, 7.3709), (0.0442, 0.0888, 0.2242, 0.4706, 1.0278),
     ),
     "su=30 kPa; gradient=1 kPa/m; G/su=500; alpha=0.8; caisson.vertical_load=2 MN": (
-        (7.0, 7.0, 14.0), (0.8112, 1.360, 1.781, 1.849, 1.869), (0.0354, 0.0716, 0.1998, 0.4361, 0.9165),
+        (7.0, 7.0, 14.0), (0.8162, 1.3423, 1.7324, 1.7697, 1.7761), (0.0354, 0.0718, 0.2022, 0.4427, 0.9293),
     ),
 }  # fmt: skip
+AT = np.array([5e-4, 1e-3, 2.5e-3, 5e-3, 1e-2])  # u/D
 
 
 @pytest.mark.parametrize("ground", FINER)
 def test_finer_full_models_lie_within_the_deviations(atlas, ground):
-    """Rotations under their loads; under small ones they are bounded."""
+    """Loads at their motions, within 6 %, and rotations under their loads, which are bounded under small ones."""
     (D, L, arm), H, rotation = FINER[ground]
-    batch = pysprings.predict_batch(springs(atlas, D, L, *ground.split("; ")), H=1e6 * np.array(H), arm=arm)
+    made, H = springs(atlas, D, L, *ground.split("; ")), 1e6 * np.array(H)
+    moved = [pysprings.impose(made, u=share * D, arm=arm) for share in AT]
+    loads, deviation = (np.array([float(each[name]) for each in moved]) for name in ("H", "H_deviation"))
+    assert (np.abs(loads - H) <= np.minimum(1.96 * deviation, 0.06 * H)).all()
+    batch = pysprings.predict_batch(made, H=H, arm=arm)
+    answered = batch["answered"].values == 1
     band = 1.96 * np.degrees(batch["rotation_deviation"].values)
-    assert (np.abs(np.degrees(batch["rotation"].values) - rotation) <= band).all()
-    assert batch["unbounded"].values[[0, 1, -1]].tolist() == [0, 0, 1] and np.isfinite(band[:2]).all()
+    assert (np.abs(np.degrees(batch["rotation"].values) - rotation) <= band)[answered].all()
+    assert answered[:4].all() and batch["unbounded"].values[[0, 1, -1]].tolist() == [0, 0, 1]
+    assert np.isfinite(band[:2]).all()
 
 
 def test_an_atlas_of_extrapolated_studies_is_not_marked_for_its_mesh(atlas):
-    better = replace(atlas, about={**atlas.about, "mesh": f"{atlas.about['mesh']}, extrapolated"})
-    marked, plain = (springs(each, 9.0, 6.0) for each in (atlas, better))
+    assert atlas.about["mesh"].endswith(", extrapolated")
+    worse = replace(atlas, about={**atlas.about, "mesh": atlas.about["mesh"].removesuffix(", extrapolated")})
+    marked, plain = (springs(each, 9.0, 6.0) for each in (worse, atlas))
     assert "up to 25 % high" in marked.attrs["atlas_mesh"] and plain.attrs["atlas_mesh"] == ""
     assert 0.003 < plain.attrs["K_H_relative_deviation"] < marked.attrs["K_H_relative_deviation"]
     wide, narrow = (float(pysprings.predict(each, H=4e5, arm=9.0)["rotation_deviation"]) for each in (marked, plain))
