@@ -368,7 +368,7 @@ def test_a_run_in_a_browser(browser: Any, run_folder: Path, tmp_path: Path) -> N
 def test_an_atlas_in_a_browser(browser: Any, tmp_path: Path) -> None:
     with served("--atlas", "clay") as address:
         page = opened(browser, address)
-        assert "made on mesh 'coarse'" in page.inner_text("#remarks")
+        assert "springs of the atlas clay (96 full models)" in page.inner_text("#remarks")
         for name in ("D", "su"):
             page.focus(f"#{name}-slider")
             after(page, lambda: page.keyboard.press("ArrowRight"))
