@@ -25,7 +25,7 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
 
-.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure paper paper-evidence accuracy stability bench bench-peers reference clean
+.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure paper paper-evidence accuracy stability bench bench-peers turbine reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
@@ -138,6 +138,12 @@ KRATOS := KratosMultiphysics KratosStructuralMechanicsApplication
 bench-peers: $(DEV)
 	-$(BIN)/uv pip install --quiet --only-binary :all: --python $(BIN)/python $(KRATOS)
 	$(BIN)/python -m benchmarks.peers $(or $(filter-out out/caisson,$(RESULT)),out/fan)
+
+# OpenFAST's NREL 5 MW turbine on one bucket, into out/turbine: OpenFAST 5.x in the search path, RTEST=its folder r-test
+turbine: $(DEV)
+	test -f out/bucket/springs.nc || { $(BIN)/pysprings init out/bucket.toml --template monobucket --force && \
+		$(BIN)/pysprings run out/bucket.toml --set springs.memory=true --no-estimate-error --out out/bucket --force; }
+	$(BIN)/python -m benchmarks.openfast_turbine out/bucket/springs.nc out/turbine --rtest $(RTEST)
 
 # the small results that the regression test compares with
 reference: $(DEV)

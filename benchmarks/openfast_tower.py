@@ -14,10 +14,13 @@ import shutil
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
 from pysprings import open_springs
+from pysprings.core.errors import RunIncomplete
 from pysprings.memory.build import has_memory
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.soildyn.library import build
@@ -103,18 +106,28 @@ def primary(soil: str) -> Iterable[str]:
     )  # fmt: skip
 
 
-def write(springs: str, folder: Path) -> list[str]:
-    """Write all models; return their names."""
-    source = Source(open_springs(springs))
-    parts = {"elastodyn.dat": ELASTODYN, "blade.dat": BLADE, "tower.dat": TOWER, "subdyn.dat": SUBDYN}
-    soils = {"matrix": "soildyn.dat"}
-    for kind in ("memory", "fan") if has_memory(Springs.of(source.springs)) else ("fan",):
-        export(source, "openfast", folder, z=-DEPTH, reaction_at_rest="none", springs=kind)
-        soils[kind] = f"soildyn_{kind}.dat"
+def foundations(springs: str, folder: Path, at: str = "", **options: Any) -> dict[str, str]:
+    """Write the files of SoilDyn and the library; return model -> file: matrix at rest, at a load, fan, memory."""
+    source, files = Source(open_springs(springs)), dict[str, str]()
+    if at:
+        with TemporaryDirectory() as other:
+            export(source, "openfast", other, at=at, **options)
+            files["matrix at load"] = "soildyn_at_load.dat"
+            shutil.copy(Path(other) / "soildyn.dat", folder / files["matrix at load"])
+    for kind in ("fan", "memory") if has_memory(Springs.of(source.springs)) else ("fan",):
+        export(source, "openfast", folder, springs=kind, **options)
+        files[kind] = f"soildyn_{kind}.dat"
         (folder / "caisson.txt").replace(folder / f"{kind}.txt")
         text = (folder / "soildyn_nonlinear.dat").read_text()
-        (folder / soils[kind]).write_text(text.replace("./caisson.txt", f"./{kind}.txt"))
+        (folder / files[kind]).write_text(text.replace("./caisson.txt", f"./{kind}.txt"))
     build(folder)
+    return files | {"matrix": "soildyn.dat"}
+
+
+def write(springs: str, folder: Path) -> list[str]:
+    """Write all models; return their names."""
+    soils = foundations(springs, folder, z=-DEPTH, reaction_at_rest="none")
+    parts = {"elastodyn.dat": ELASTODYN, "blade.dat": BLADE, "tower.dat": TOWER, "subdyn.dat": SUBDYN}
     parts |= {f"{name}.fst": primary(file) for name, file in soils.items()}
     values = {"{push}": f"{PUSH}", "{tilt}": "0.05", "{mass}": f"{NACELLE}"}
     for name, lines in parts.items():
@@ -123,6 +136,26 @@ def write(springs: str, folder: Path) -> list[str]:
             text = text.replace(key, value)
         (folder / name).write_text(text)
     return list(soils)
+
+
+def run(program: str, folder: Path, name: str) -> dict[str, np.ndarray]:
+    """Run OpenFAST on NAME.fst, with its log in NAME.log; return the channels.
+
+    Raises
+    ------
+    RunIncomplete
+        OpenFAST stops (the message has the end of the log), or goes on from steps that did not converge.
+    """
+    log = folder / f"{name}.log"
+    with log.open("w") as out:
+        done = subprocess.run([program, f"{name}.fst"], cwd=folder, stdout=out, stderr=out, check=False)
+    text = log.read_text(errors="replace")
+    if done.returncode:
+        last = [line.strip() for line in text.splitlines() if line.strip()][-6:]
+        raise RunIncomplete(f"{log}: OpenFAST stopped with {done.returncode}: {' | '.join(last)}")
+    if count := text.count("Failed to converge"):
+        raise RunIncomplete(f"{log}: {count} steps did not converge")
+    return read(folder / f"{name}.out")
 
 
 def read(file: Path) -> dict[str, np.ndarray]:
@@ -143,14 +176,8 @@ def main() -> None:
     given.folder.mkdir(parents=True, exist_ok=True)
     names = write(given.springs, given.folder)
     for name in names if given.openfast else ():
-        log = given.folder / f"{name}.log"
-        with log.open("w") as out:
-            done = subprocess.run(
-                [given.openfast, f"{name}.fst"], cwd=given.folder, stdout=out, stderr=out, check=False
-            )
-        channels = read(given.folder / f"{name}.out") if done.returncode == 0 else {}
-        print(f"{name}: exit {done.returncode}")
-        for key, values in channels.items():
+        print(name)
+        for key, values in run(given.openfast, given.folder, name).items():
             if key != "Time":
                 print(f"  {key:10} largest {np.abs(values).max():.5g}, last 10 s {np.abs(values[-1000:]).max():.5g}")
 

@@ -14,6 +14,7 @@ OF_BENCHMARKS = {
     "tests/pysprings/full_model/test_accuracy_benchmarks.py",
     "tests/pysprings/memory/test_aims.py",
     "tests/pysprings/model/test_domain_effect.py",
+    "tests/verification/test_openfast_turbine.py",
     "tests/verification/test_peers.py",
 }
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 
 MATRIX, LIBRARY = 1, 3  # CalcOption
-# reactions of the soil (kN, kN m) and motions (m, rad), by point
+# reactions of the soil (kN, kN m) and motions (m, deg), by point
 _FORCES, _MOTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz"), ("TDx", "TDy", "TDz", "RDx", "RDy", "RDz")
 
 
