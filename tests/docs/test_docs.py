@@ -166,7 +166,8 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tables = blocks(ROOT / "docs/guide/predict.md", "text")
     (folder / "curves.csv").write_text(next(each for each in tables if each.startswith("depth_m")))
     cases = blocks(ROOT / "docs/guide/load-cases.md", "text")
-    (folder / "cases.csv").write_text(next(each for each in cases if each.startswith("case,")))
+    for file, head in (("cases.csv", "case,"), ("legs.csv", "bucket,")):
+        (folder / file).write_text(next(each for each in cases if each.startswith(head)))
     rows = blocks(ROOT / "docs/guide/cycles.md", "text")
     (folder / "sequence.csv").write_text(next(each for each in rows if each.startswith("H_kN")))
     save_springs(with_invented_memory(), folder / "springs.nc")
