@@ -35,11 +35,8 @@ from pysprings.macro.model import MacroModel
 Array = NDArray[np.float64]
 Channels = dict[str, Array]
 CASE, COMMON = "5MW_OC3Mnpl_DLL_WTurb_WavesIrr", "5MW_Baseline"  # folders of r-test/glue-codes/openfast
-START, BENT, BALANCE = (
-    20.0,
-    0.5,
-    0.1,
-)  # s of the run that results leave out, m of the tower top when it is released, of mean H
+START, BENT = 20.0, 0.5  # s of the run that results leave out, m of the tower top when it is released
+BALANCE = 0.05  # most that the mean reaction may be off, of the largest H and of the mean M of the clamped turbine
 SIGHTS = {
     "towertop": "tower at 86 m [m]",
     "H": "H at mudline [MN]",
