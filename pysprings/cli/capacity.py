@@ -38,6 +38,14 @@ def capacity(
         typer.Option("--V", metavar="FORCE", help='vertical load, e.g. "3 MN", or balanced; may be repeated'),
     ] = None,
     directions: Annotated[int, typer.Option("--directions", metavar="N", help="directions of H and M")] = 8,
+    torsion: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--torsion",
+            metavar="ANGLE",
+            help='also loads at this angle out of the plane of H and M, e.g. "45 deg" (90: T alone); repeated',
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/capacity-SCENE]")
     ] = None,
@@ -67,7 +75,7 @@ def capacity(
     jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
-    """Push the full model to failure in directions of H and M at given V: the envelope, with nothing fitted.
+    """Push the full model to failure in directions of H, M (and T) at given V: the envelope, with nothing fitted.
 
     Runs that have ended in DIR are not run again; interrupted ones go on. Series where the scene allows.
     """
@@ -81,9 +89,10 @@ def capacity(
     folder = out or Path("out") / f"capacity-{scene.stem}"
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())
-    request = _request(read, vertical or [], directions, macro and springs is None, factor or [])
+    request = _request(read, vertical or [], directions, macro and springs is None, factor or [], torsion or [])
     file = cases or read.design.cases
-    given = None if file is None else read_load_cases(file).bounded(0.5 * read.caisson.outer_diameter)
+    radius = 0.5 * read.caisson.outer_diameter
+    given = None if file is None else read_load_cases(file).bounded(radius, bool(request.torsion))
     model = None if springs is None or not macro else _model(springs)
     chosen = study.scene_of(read, mesh, discretisation)
     try:
@@ -103,8 +112,10 @@ def capacity(
         to_stderr(f"warning: {text}")
 
 
-def _request(scene: Scene, loads: list[str], directions: int, rays: bool, factors: list[str]) -> Request:
-    """Return what is asked for; refuse what is no vertical load, number of directions or factor."""
+def _request(
+    scene: Scene, loads: list[str], directions: int, rays: bool, factors: list[str], torsion: list[str]
+) -> Request:
+    """Return what is asked for; refuse what is no vertical load, number of directions, factor or angle."""
     from pysprings.scene.design_strength import StrengthFactors
     from pysprings.studies.capacity.plan import Request
 
@@ -113,7 +124,9 @@ def _request(scene: Scene, loads: list[str], directions: int, rays: bool, factor
     values = quantities({f"--V {text}": (text, "N", "3 MN") for text in texts})
     asked = [word if text.strip() == word else values[f"--V {text}"] for text in loads]
     known = [each for each in asked if each is not None] or [scene.caisson.vertical_load]
-    return Request(tuple(known), directions, rays, StrengthFactors.read(factors))
+    angles = quantities({f"--torsion {text}": (text, "rad", "45 deg") for text in torsion})
+    turned = tuple(each for each in angles.values() if each is not None)
+    return Request(tuple(known), directions, rays, StrengthFactors.read(factors), turned)
 
 
 def _model(springs: Path) -> MacroModel:

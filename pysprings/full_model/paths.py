@@ -188,6 +188,8 @@ def _keep(work: Work, path: Path, run: Gathered) -> None:
         dataset.attrs |= _parts(path)
         if path.load_angle is not None:
             dataset.attrs["load_angle_rad"] = path.load_angle
+        if path.torsion_angle is not None:
+            dataset.attrs["torsion_angle_rad"] = path.torsion_angle
         work.paths[group] = dataset
         work.paths[f"{group}/convergence"] = convergence_dataset(run.record)
         figures = summarise(run.record, [cut_back(*attempt) for attempt in run.given_up], dataset, run.limits)

@@ -343,10 +343,12 @@ _HELD = ("u_x", "u_y", "rot_x", "rot_y", "rot_z")
 def space_points(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
     """Return the motions that a path imposes, and their values (n, nc) [m, rad] at the ends of its parts.
 
-    Under given loads there are none (n = 1).
+    Under given loads there are none (n = 1); a probe imposes one of no name, that of `_along_load`.
     """
     if path.given(LOADS):
         return (), np.zeros((1, 0))
+    if path.kind == "probe":
+        return ("",), np.array([[path.lateral_displacement]])
     if path.kind == "twist":
         return ("rot_z",), np.array([[path.twist], *([each.value] for each in path.then)])
     if path.kind == "motion":
@@ -376,7 +378,7 @@ def space_stages(scene: Scene, path: Path, dead: float, balanced: float, first: 
     first : size of the first step, m.
     """
     held, points = space_points(path)
-    rows = [np.eye(6)[MOTIONS.index(name)] for name in held]
+    rows = [np.eye(6)[MOTIONS.index(name)] if name else _along_load(scene, path) for name in held]
     patterns = [row.copy() for row in rows]
     if path.kind == "pull":  # H at the height of the arm: M_y = H_x h, M_x = -H_y h
         patterns[0][MOTIONS.index("rot_y")], patterns[1][MOTIONS.index("rot_x")] = path.arm, -path.arm
@@ -400,6 +402,17 @@ def space_stages(scene: Scene, path: Path, dead: float, balanced: float, first: 
         before = point
     stops = {abs(value / points[0, 0]) for value in path.report_at} | {1.0}
     return [replace(stages[0], stops=tuple(sorted(stops))), *stages[1:]]
+
+
+def _along_load(scene: Scene, path: Path) -> np.ndarray:
+    """Return the load (6,) of a probe over R: H = R cos(b) cos(a), M = R D cos(b) sin(a), T = R D sin(b), z up.
+
+    a is `load_angle`, b `torsion_angle`; H acts in `direction`, and M bends in its plane.
+    """
+    a, b, plan = _need(path.load_angle), _need(path.torsion_angle), path.direction or 0.0
+    along, diameter = np.array([math.cos(plan), math.sin(plan)]), scene.caisson.outer_diameter
+    force, moment = math.cos(b) * math.cos(a) * along, diameter * math.cos(b) * math.sin(a) * along
+    return np.array([*force, 0.0, -moment[1], moment[0], diameter * math.sin(b)])
 
 
 def _times(path: Path, parts: int) -> list[float]:

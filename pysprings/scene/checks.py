@@ -286,8 +286,10 @@ _USES = {
     "load": LOADS,
     "pull": ("lateral_displacement", "arm", "direction", "then"),
     "translation": ("lateral_displacement", "direction", "then"),
+    "probe": ("lateral_displacement", "load_angle", "torsion_angle", "direction"),
 }
-_KEYS = (*UNITS, "arm", "arm_from", "load_angle", "rate", "direction", "report_at", "then", *TURNS, *LOADS)
+_ANGLES = ("load_angle", "torsion_angle", "direction")
+_KEYS = (*UNITS, "arm", "arm_from", *_ANGLES, "rate", "report_at", "then", *TURNS, *LOADS)
 
 
 def space_clashes(scene: SceneSections) -> Iterator[Clash]:
@@ -295,17 +297,18 @@ def space_clashes(scene: SceneSections) -> Iterator[Clash]:
     for index, path in enumerate(scene.paths):
         if path.in_space:
             here: KeyPath = ("path", index)
-            for key, text in _refusals(scene):
+            for key, text in off_plane_refusals(scene):
                 yield Clash((here, key), f"path '{path.name}' leaves the plane of one load: {text}")
     if scene.springs.reach is not None and scene.springs.directions:
         if not scene.springs.memory:
             keys = ("springs", "directions"), ("springs", "memory")
             yield Clash(keys, "springs with memory alone answer in all directions: memory = true is needed, too")
-        for key, text in _refusals(scene):
+        for key, text in off_plane_refusals(scene):
             yield Clash((("springs", "directions"), key), f"its paths leave the plane of one load: {text}")
 
 
-def _refusals(scene: SceneSections) -> Iterator[tuple[KeyPath, str]]:
+def off_plane_refusals(scene: SceneSections) -> Iterator[tuple[KeyPath, str]]:
+    """Yield what of a scene's model carries no path that leaves the plane of one load: key, and why."""
     if scene.discretisation != "fourier":
         yield ("mesh", "discretisation"), 'bricks have half of a caisson; it needs mesh.discretisation = "fourier"'
     if scene.drainage.mode != "drained":
@@ -329,10 +332,13 @@ def space_path(here: KeyPath, path: Path) -> Iterator[Clash]:
     if path.role == CALIBRATION:
         text = 'fans are made from paths in one plane: this path needs role = "memory" or "held-back"'
         yield Clash(((*here, "role"), where), text)
-    ends = [getattr(path, name) for name in uses if name not in ("report_at", "then", "direction", "arm")]
+    ends = [getattr(path, name) for name in uses if name not in ("report_at", "then", "arm", *_ANGLES)]
     if not any(ends):
         named = uses[0] if len(ends) == 1 else f"one of {', '.join(uses)} other than zero"
         yield Clash((here, where), f'a path of kind "{kind}" needs {named}')
+    for name in PATH_KINDS[kind].needs:
+        if getattr(path, name) is None:
+            yield Clash((here, where), f'a path of kind "{kind}" needs a {name}')
     if path.heave == "fixed" and path.V is not None:
         yield Clash(((*here, "V"), (*here, "heave")), 'heave = "fixed" imposes w: it cannot have a vertical load')
     for entry, then in enumerate(path.then):

@@ -19,7 +19,7 @@ from pysprings.scene.sections import Limit
 from pysprings.scene.toml import to_toml
 
 # keys of paths that leave a plane
-SPACE = ("direction", "twist", "radius", *(name for name in MOTIONS if name != "w"), *LOADS)
+SPACE = ("torsion_angle", "direction", "twist", "radius", *(name for name in MOTIONS if name != "w"), *LOADS)
 
 
 class Scene(SceneSections):

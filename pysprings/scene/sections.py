@@ -36,6 +36,10 @@ _ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it the
 _LOAD_ANGLE = Quantity(
     "deg", "[-180, 180]", "direction of a probe: angle of the load in the plane of H and M/D", "45 deg", optional=True
 )
+_TORSION_ANGLE = Quantity(
+    "deg", "[-90, 90]", "direction of a probe: angle of the load out of the plane of H and M/D, towards T/D",
+    "30 deg", optional=True,
+)  # fmt: skip
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
 _DIRECTION = Quantity("deg", "[-360, 360]", "direction of the load, from +x towards +y", "45 deg", optional=True)
@@ -285,8 +289,8 @@ class Path(Section):
     that height and then climbs to `arm`, so that M grows under constant H and V. probe: the load keeps its direction,
     H = R cos(load_angle) and M = R D sin(load_angle), D the outer diameter, and `lateral_displacement` is conjugate to
     it, u cos(load_angle) + rotation D sin(load_angle); like a load it ends where the caisson has moved by 10 % of D or
-    turned by 5 deg. vertical: the lid centre moves down
-    (or up: pull-out), u and rotation are held at zero. `direction` turns a path in one plane about the vertical axis.
+    turned by 5 deg; with `torsion_angle` b, H and M are these times cos(b) and T = R D sin(b). vertical: the lid centre
+    moves down (or up: pull-out), u and rotation are held at zero. `direction` turns a path in one plane about the axis.
     Paths that leave a plane (drained or total stress, rigid caisson, series) check springs only: twist: the caisson
     turns about its axis, all else is free. circle: the lid centre moves by `radius` in `direction` and then once
     round, from +x towards +y, without rotation. motion: u_x, u_y, rot_x, rot_y and rot_z grow in proportion, those
@@ -316,6 +320,7 @@ class Path(Section):
     arm: Annotated[float, _ARM] = 0.0
     arm_from: Annotated[float | None, _ARM_FROM] = None
     load_angle: Annotated[float | None, _LOAD_ANGLE] = None
+    torsion_angle: Annotated[float | None, _TORSION_ANGLE] = None
     direction: Annotated[float | None, _DIRECTION] = None
     twist: Annotated[float | None, _TWIST] = None
     radius: Annotated[float | None, _ROUND] = None
@@ -357,7 +362,8 @@ class Path(Section):
     def in_space(self) -> bool:
         """Whether the path leaves the plane of one load: the whole caisson moves in six degrees of freedom."""
         turns = any(each.towards is not None for each in self.then)
-        return PATH_KINDS[self.kind].space or turns or bool(self.given(LOADS) or self.given(MOTIONS))
+        beyond = PATH_KINDS[self.kind].space or self.torsion_angle is not None
+        return beyond or turns or bool(self.given(LOADS) or self.given(MOTIONS))
 
 
 class Mesh(Section):

@@ -48,6 +48,7 @@ ELSEWHERE = {
     "pysprings design mono/runs/characteristic-V3000kN-rays loads.csv --out design.html": "needs the runs before it",
     'pysprings capacity sand.toml --V "1 MN" --V "3 MN" --directions 8 --out envelope': "many runs: as above",
     'pysprings capacity sand.toml --V "1 MN" --cases cases.csv --factor 1.25 --out envelope': "many runs: as above",
+    'pysprings capacity sand.toml --directions 4 --torsion "30 deg" --torsion "60 deg" --torsion "90 deg"': "as above",
     'pysprings ground site-cpt.gef site-lab.csv --depth "24 m" --out site.csv': "data/tutorials: tools.tutorials",
     "pysprings run caisson.toml --estimate low --estimate best --estimate high --out out --no-figures "
     "--no-estimate-error": "a scene with ranges is needed: tools.tutorials",

@@ -120,12 +120,15 @@ class LoadCases:
             texts.append("; ".join(filter(None, (text, below_mudline(H, M) if opposed else ""))))
         return tuple(texts)
 
-    def bounded(self, radius: float | None) -> LoadCases:
+    def bounded(self, radius: float | None, torsion: bool = False) -> LoadCases:
         """Return the cases in one plane and without torsion, with loads on the safe side, and remarks that say so.
 
         All of the moment acts in the plane of H and overturns, and T over the radius of the caisson [m] is added to H
-        (None: not known, T is left out): a bound in ground that is the same in all directions.
+        (None: not known, T is left out): a bound in ground that is the same in all directions. With ``torsion`` T
+        stays what it is.
         """
+        if torsion:
+            return replace(replace(self, torsion=0.0 * self.torsion).bounded(radius), torsion=self.torsion)
         aside, way = self.aside, np.sign(self.H)
         way = np.where(way != 0.0, way, np.where(self.M != 0.0, np.sign(self.M), 1.0))
         added = np.zeros(len(self)) if radius is None else np.abs(self.torsion) / radius

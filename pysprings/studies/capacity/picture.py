@@ -16,7 +16,7 @@ from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
 from pysprings.scene.model import Scene
-from pysprings.studies.capacity.plan import CHARACTERISTIC
+from pysprings.studies.capacity.plan import CHARACTERISTIC, TORSION_ALONE
 from pysprings.studies.capacity.points import Capacity, closed
 
 _WIDTH = 5.6  # inch of a panel
@@ -27,21 +27,47 @@ def envelopes(table: pd.DataFrame, scene: Scene, cases: pd.DataFrame | None = No
     """Draw a panel for each vertical load: full model (line and dots), macro-model (crosses), load cases (squares).
 
     An open dot is a run that stopped before failure: the capacity is further out. The lower half of the plane is the
-    mirror image of the upper one.
+    mirror image of the upper one. Below are torsion and the size of the load in the plane, where torsion was asked for.
     """
-    loads = table["V_N"].drop_duplicates().tolist()
-    figure = new_figure(1.2 + _WIDTH * len(loads), 5.4)
-    for axes, load in zip(np.atleast_1d(figure.subplots(1, len(loads), squeeze=False)[0]), loads, strict=True):
-        own = table[table["V_N"] == load]
+    loads, rows = table["V_N"].drop_duplicates().tolist(), 1 + int((table["torsion_deg"] > 0.0).any())
+    figure = new_figure(1.2 + _WIDTH * len(loads), 5.4 * rows)
+    panels = figure.subplots(rows, len(loads), squeeze=False)
+    for axes, load in zip(panels[0], loads, strict=True):
+        own = table[(table["V_N"] == load) & (table["torsion_deg"] == 0.0)]
         for strength, part in own.groupby("strength", sort=False):
             _envelope(axes, part, str(strength))
         if cases is not None:
-            _cases(axes, cases[cases["V_of_envelope_N"] == load].drop_duplicates("name"))
+            _cases(axes, cases[(cases["V_of_envelope_N"] == load) & (cases["T_Nm"] == 0.0)], "H_N", "M_Nm")
         axes.set(title=f"V = {MN * load:.3g} MN", xlabel="H [MN]", ylabel="M about the lid centre at mudline [MN m]")
         zero_lines(axes)
         axes.legend(loc="upper left")
+    for axes, load in zip(panels[1:].ravel(), loads, strict=False):
+        diameter = scene.caisson.outer_diameter
+        _torsion(axes, table[table["V_N"] == load], diameter)
+        if cases is not None:
+            own = cases[(cases["V_of_envelope_N"] == load) & (cases["T_Nm"] != 0.0)]
+            size, torsion = np.hypot(own["H_N"], own["M_Nm"] / diameter), own["T_Nm"].abs()
+            _cases(axes, own.assign(size_N=size, T_Nm=torsion), "size_N", "T_Nm")
+        axes.legend(loc="upper right")
     figure.suptitle(plain(f"Capacity: {scene.title}"))
     return figure
+
+
+def _torsion(axes: Axes, table: pd.DataFrame, diameter: float) -> None:
+    """Draw T over the size of (H, M/D), a line for each direction in the plane, up to T alone where that is known."""
+    lines = ("-", "--")
+    for number, (strength, part) in enumerate(table.groupby("strength", sort=False)):
+        alone = part[part["torsion_deg"] >= math.degrees(TORSION_ALONE)]
+        for colour, (direction, own) in enumerate(part.drop(alone.index).groupby("direction_deg")):
+            ring = pd.concat([own.sort_values("torsion_deg"), alone])
+            axes.plot(
+                MN * np.hypot(ring["H_N"], ring["M_Nm"] / diameter), MN * ring["T_Nm"], color=f"C{colour}",
+                linestyle=lines[number], marker="o", markersize=4, label=f"{direction:g} deg, {strength} strength",
+            )  # fmt: skip
+            for _, open_ in ring[ring["is_capacity"] == 0].iterrows():
+                place = (MN * math.hypot(open_["H_N"], open_["M_Nm"] / diameter), MN * open_["T_Nm"])
+                axes.plot(*place, "o", color=f"C{colour}", markerfacecolor="white", markersize=6, zorder=3)
+    axes.set(xlabel="size of (H, M/D) [MN]", ylabel="T [MN m]", xlim=(0.0, None), ylim=(0.0, None))
 
 
 def _envelope(axes: Axes, part: pd.DataFrame, strength: str) -> None:
@@ -68,12 +94,13 @@ def _envelope(axes: Axes, part: pd.DataFrame, strength: str) -> None:
             )  # fmt: skip
 
 
-def _cases(axes: Axes, cases: pd.DataFrame) -> None:
+def _cases(axes: Axes, cases: pd.DataFrame, across: str, along: str) -> None:
+    cases = cases.drop_duplicates("name")
     if not len(cases):
         return
-    axes.plot(MN * cases["H_N"], MN * cases["M_Nm"], "s", color=INK, markersize=5, linestyle="none", label="load cases")
+    axes.plot(MN * cases[across], MN * cases[along], "s", color=INK, markersize=5, linestyle="none", label="load cases")
     for row in cases.to_dict("records"):
-        place = (MN * row["H_N"], MN * row["M_Nm"])
+        place = (MN * row[across], MN * row[along])
         axes.annotate(plain(row["name"]), place, textcoords="offset points", xytext=(6, 2), fontsize=8)
 
 
@@ -109,15 +136,23 @@ def _mega(source: str) -> Callable[[Row], float]:
     return value
 
 
+TORSION = (
+    Column("torsion [deg]", "torsion_deg"),
+    Column("T [MN m]", _mega("T_Nm")),
+    Column("twist [deg]", "twist_rad", 3, math.degrees(1.0)),
+)
 FULL = (
     Column("strength", "strength", words=True),
     Column("V [MN]", _mega("V_N")),
     Column("direction [deg]", "direction_deg"),
+    TORSION[0],
     Column("H [MN]", _mega("H_N")),
     Column("M [MN m]", _mega("M_Nm")),
+    TORSION[1],
     Column("criterion", "criterion", words=True),
     Column("u [mm]", "u_m", factor=1e3),
     Column("rotation [deg]", "rotation_rad", 3, math.degrees(1.0)),
+    TORSION[2],
 )
 MACRO = (
     Column("macro-model H [MN]", _mega("H_macro_N")),
@@ -138,6 +173,7 @@ CASES = (
     Column("strength", "strength", words=True),
     Column("H [MN]", _mega("H_N")),
     Column("M [MN m]", _mega("M_Nm")),
+    TORSION[1],
     Column("V [MN]", _mega("V_N")),
     Column("utilisation", "utilisation", 3),
     Column("", _remark, words=True),
@@ -148,6 +184,9 @@ CRITERIA = (
     "where it still grows; stopped before failure: the run ended earlier, the capacity is larger."
 )
 DIRECTIONS = "direction: angle in the plane of H and M/D; M is about the lid centre at mudline, M = H arm."
+WITH_TORSION = (
+    " torsion: angle of the load out of that plane towards T/D; at 90 it is T alone. Springs have no such capacity."
+)
 
 
 def criteria(outcome: Capacity) -> str:
@@ -158,15 +197,18 @@ def criteria(outcome: Capacity) -> str:
 
 
 def table_of(outcome: Capacity) -> Table:
-    """Return the capacities as a table; without the columns of a macro-model where there is none."""
+    """Return the capacities as a table; without the columns of torsion or of a macro-model where there is none."""
     rows = outcome.table.to_dict("records")
-    both = any(row["criterion_macro"] for row in rows)
-    return Table.of(FULL + MACRO if both else FULL, rows, note=DIRECTIONS, wide=True)
+    both, turned = any(row["criterion_macro"] for row in rows), any(row["torsion_deg"] for row in rows)
+    columns = tuple(each for each in FULL + MACRO * both if turned or each not in TORSION)
+    return Table.of(columns, rows, note=DIRECTIONS + WITH_TORSION * turned, wide=True)
 
 
 def table_of_cases(cases: pd.DataFrame) -> Table:
-    """Return the load cases as a table."""
-    return Table.of(CASES, cases.to_dict("records"), wide=True)
+    """Return the load cases as a table; without the column of torsion where there is none."""
+    rows = cases.to_dict("records")
+    turned = any(row["T_Nm"] for row in rows)
+    return Table.of([each for each in CASES if turned or each not in TORSION], rows, wide=True)
 
 
 def closing(table: pd.DataFrame) -> str:
@@ -175,6 +217,6 @@ def closing(table: pd.DataFrame) -> str:
     if not len(known):
         return ""
     return (
-        f"macro-model against full model in {len(known)} of {len(table)} directions: "
+        f"macro-model against full model in {len(known)} of {(table['torsion_deg'] == 0.0).sum()} directions: "
         f"{known.min():+.1f} to {known.max():+.1f} %"
     )

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The runs of a capacity study: probes in directions of the load, and rays for the springs, by V and strength (light).
 
-Directions are angles in the plane of H and M/D. Springs and full model are odd in a lateral load, so that half of the
-plane is enough: from 90 degrees (a moment as by a load above mudline) over 0 (a force at mudline) towards -90.
+Directions are angles a in the plane of H and M/D. Springs and full model are odd in a lateral load, so that half of the
+plane is enough: from 90 degrees (a moment as by a load above mudline) over 0 (a force at mudline) towards -90. With
+torsion the load leaves that plane by an angle b, R (cos b cos a, cos b sin a, sin b) in (H, M/D, T/D). A mirror image
+in the plane of H turns T alone over: b from 0 to 90 degrees is enough, and at 90 there is one direction.
 """
 
 import math
@@ -16,6 +18,8 @@ from pysprings.scene.model import Scene
 
 CHARACTERISTIC, DESIGN = "characteristic", "design"
 FEWEST, MOST = 2, 72
+TORSION_ALONE = 0.5 * math.pi * (1.0 - 1e-12)  # as read in degrees
+Direction = tuple[float, float]  # a, b [rad]
 PROBE = "probe"
 # Angles of the rays [deg] in the plane of (u, rotation * skirt length). Under a free head the caisson turns about a
 # point in the skirt or below it (25 to 80 degrees); there a small change of the motion turns the load by much.
@@ -29,16 +33,30 @@ _OUTPUT = {"interface_fields": False, "section": False, "figures": False, "parav
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for: vertical loads [N] or "balanced", number of directions, rays or none, factors on strength."""
+    """What is asked for: vertical loads [N] or "balanced", number of directions, rays or none, factors on strength.
+
+    torsion : angles out of the plane of H and M/D [rad], beside 0; each has all directions, that of T alone has one.
+    """
 
     loads: tuple[float | str, ...]
     directions: int = 8
     rays: bool = True
     factors: StrengthFactors = field(default_factory=StrengthFactors)
+    torsion: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not FEWEST <= self.directions <= MOST:
             raise refused("--directions", f"{self.directions} is not in [{FEWEST}, {MOST}]")
+        for each in self.torsion:
+            if not 0.0 < each <= 0.5 * math.pi:
+                raise refused("--torsion", f"{math.degrees(each):g} deg is not in (0, 90] deg")
+
+    @property
+    def all_directions(self) -> list[Direction]:
+        """Return the directions (a, b) [rad]: those in the plane of H and M, then those with torsion."""
+        plane, beyond = angles(self.directions), sorted(set(self.torsion))
+        turned = [(a, b) for b in beyond for a in plane if b < TORSION_ALONE]
+        return [(a, 0.0) for a in plane] + turned + [(0.0, b) for b in beyond if b >= TORSION_ALONE]
 
 
 @dataclass(frozen=True)
@@ -55,17 +73,19 @@ class Group:
         load = self.load if isinstance(self.load, str) else f"V{1e-3 * self.load:.6g}kN"
         return f"{self.strength}-{load}"
 
-    def probe_name(self, angle: float) -> str:
-        """Return the name of the run in a direction [rad]."""
-        return f"{self.name}-{math.degrees(angle):+.4g}deg"
+    def probe_name(self, direction: Direction) -> str:
+        """Return the name of the run in a direction."""
+        a, b = map(math.degrees, direction)
+        return f"{self.name}-{a:+.4g}deg{f'-T{b:.4g}deg' if b else ''}"
 
-    def probe(self, angle: float) -> Scene:
-        """Return the scene that pushes the caisson to failure in a direction [rad]."""
-        diameter = self.scene.caisson.outer_diameter
+    def probe(self, direction: Direction) -> Scene:
+        """Return the scene that pushes the caisson to failure in a direction; with torsion it is the whole caisson."""
+        diameter, (a, b) = self.scene.caisson.outer_diameter, direction
         shift, turn = motion_limit(self.scene)
-        reach = shift * abs(math.cos(angle)) + turn * diameter * abs(math.sin(angle))
-        path = {"name": PROBE, "kind": PROBE, "load_angle": angle, "lateral_displacement": reach, "role": "held-back"}
-        return self._with_paths([path])
+        plane = shift * abs(math.cos(a)) + turn * diameter * abs(math.sin(a))
+        reach = math.cos(b) * plane + math.sin(b) * turn * diameter
+        path = {"name": PROBE, "kind": PROBE, "load_angle": a, "lateral_displacement": reach, "role": "held-back"}
+        return self._with_paths([path | ({"torsion_angle": b} if b else {})])
 
     @property
     def rays_name(self) -> str:

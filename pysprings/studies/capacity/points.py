@@ -21,6 +21,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete
+from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.vertical_loads import same_load
 from pysprings.core.words import StopReason
@@ -28,8 +29,9 @@ from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
+from pysprings.results.exporters.tables import IN_SPACE
 from pysprings.studies.capacity import plan
-from pysprings.studies.capacity.plan import PROBE, Group, Request, angles
+from pysprings.studies.capacity.plan import PROBE, Direction, Group, Request
 from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
 
 if TYPE_CHECKING:
@@ -81,8 +83,9 @@ class Point:
 
     Attributes
     ----------
-    angle : direction [rad] in the plane of H and M/D.
-    H, V, M, u, w, rotation : at the largest load.
+    direction : of the load (`plan.Request.all_directions`).
+    size : of the load [N] in the direction, R.
+    H, V, M, T, u, w, rotation, twist : at the largest load, in the plane of H.
     rest_load : V [N] at the start; the vertical load of a probe is met to the tolerance of the solver.
     criterion : what makes it the capacity; where it is `Criterion.NONE`, the capacity is larger.
     growth : relative growth of the load over that of the conjugate displacement over the last steps, `SEEN` of
@@ -91,14 +94,17 @@ class Point:
     why : reason of a probe that stopped.
     """
 
-    angle: float
+    direction: Direction
+    size: float
     rest_load: float
     H: float
     V: float
     M: float
+    T: float
     u: float
     w: float
     rotation: float
+    twist: float
     criterion: Criterion
     growth: float
     moved: float
@@ -110,11 +116,13 @@ class Point:
         return self.criterion is not Criterion.NONE
 
 
+SPACE = {column: (*MOTIONS, *LOADS).index(name) for column, name in IN_SPACE.items() if name in (*MOTIONS, *LOADS)}
 _MET = 1e-6  # the limit is met to rounding where it is imposed
-COLUMNS = {"u": "u_m", "w": "w_m", "rotation": "rotation_rad", "H": "H_N", "V": "V_N", "M": "M_Nm"}
+# Columns of a probe without torsion, and where they stand among (u_x, u_y, w, rot_x, rot_y, rot_z, H_x ... T)
+PLANE = {"u_m": 0, "w_m": 2, "rotation_rad": 4, "H_N": 6, "V_N": 8, "M_Nm": 10}
 
 
-def point_of(folder: Path, record: RunRecord | None, scene: Scene, angle: float) -> Point | None:
+def point_of(folder: Path, record: RunRecord | None, scene: Scene, direction: Direction) -> Point | None:
     """Return the capacity of a probe that ended in a folder; None where no step of it converged."""
     file = folder / "load_displacement.csv"
     if record is None or not file.exists():
@@ -123,16 +131,33 @@ def point_of(folder: Path, record: RunRecord | None, scene: Scene, angle: float)
     frame = frame[frame["converged"] == 1]
     if len(frame) < 2:
         return None
-    states = frame[[*COLUMNS.values()]].to_numpy(dtype=float)
-    return assess(states, scene, angle, "; ".join(record.failures))
+    states = np.zeros((len(frame), 12))
+    for name, column in (PLANE if "u_m" in frame else SPACE).items():
+        states[:, column] = frame[name]
+    return assess(states, scene, direction, "; ".join(record.failures))
 
 
-def assess(states: Array, scene: Scene, angle: float, why: str = "") -> Point:
-    """Return the capacity from states (n, 6) = (u, w, rotation, H, V, M), the initial one first."""
+def along_load(direction: Direction, diameter: float) -> Array:
+    """Return (H, M, T) (3,) of a load of size 1 in a direction, with the diameter [m]."""
+    a, b = direction
+    return np.array([np.cos(b) * np.cos(a), diameter * np.cos(b) * np.sin(a), diameter * np.sin(b)])
+
+
+def size_of_load(loads: Array, scene: Scene, direction: Direction) -> Array:
+    """Return the sizes R [N] of loads (n, 3) = (H, M, T) in a direction."""
     diameter = scene.caisson.outer_diameter
-    limit, rest = DisplacementLimit.of(scene, float(states[0, 1])), float(states[0, 4])
-    moved = np.array([limit.share(state[:3]) for state in states])
-    along = np.array([np.cos(angle), diameter * np.sin(angle)])
+    size: Array = loads / [1.0, diameter, diameter] @ along_load(direction, 1.0)
+    return size
+
+
+def assess(states: Array, scene: Scene, direction: Direction, why: str = "") -> Point:
+    """Return the capacity from states (n, 12) = (u_x ... rot_z, H_x ... T) in SI, the initial one first.
+
+    H acts along x. A load with torsion moves the caisson across, too, which counts in the limit of motion.
+    """
+    limit, rest = DisplacementLimit.of(scene, float(states[0, 2])), float(states[0, 8])
+    moved = np.array([limit.share(state[:6]) for state in states])
+    along = along_load(direction, scene.caisson.outer_diameter)
     over = np.flatnonzero(moved >= 1.0 - _MET)
     ended = bool(over.size)
     if ended:  # the state at the limit itself, between the last two
@@ -141,8 +166,7 @@ def assess(states: Array, scene: Scene, angle: float, why: str = "") -> Point:
         edge = states[last - 1] + share * (states[last] - states[last - 1])
         states = np.vstack([states[:last], edge])
         moved = np.append(moved[:last], 1.0)
-    load = states[:, 3] * np.cos(angle) + states[:, 5] / diameter * np.sin(angle)
-    path = states[:, [0, 2]] @ along
+    path, load = states[:, [0, 4, 5]] @ along, size_of_load(states[:, [6, 10, 11]], scene, direction)
     before = int(np.flatnonzero(path <= (1.0 - SEEN) * path[-1])[-1])
     growth = float((load[-1] - load[before]) / (path[-1] - path[before]) * path[-1] / load[-1])
     best = int(np.argmax(load))
@@ -152,13 +176,16 @@ def assess(states: Array, scene: Scene, angle: float, why: str = "") -> Point:
         criterion = Criterion.PLATEAU
     else:
         criterion = Criterion.MOTION if ended else Criterion.NONE
-    u, w, rotation, H, V, M = states[best].tolist()
-    return Point(angle, rest, H, V, M, u, w, rotation, criterion, growth, float(moved[best]), "" if ended else why)
+    u, w, rotation, twist, H, V, M, T = states[best, [0, 2, 4, 5, 6, 8, 10, 11]].tolist()
+    share, why = float(moved[best]), "" if ended else why
+    return Point(
+        direction, float(load[best]), rest, H, V, M, T, u, w, rotation, twist, criterion, growth, share, why
+    )  # fmt: skip
 
 
 def closed(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the points of one envelope by growing angle, the mirrored first one at the end."""
-    points = table.sort_values("direction_deg")
+    """Return the points without torsion of one envelope by growing angle, the mirrored first one at the end."""
+    points = table[table["torsion_deg"] == 0.0].sort_values("direction_deg")
     first = points.iloc[[0]].copy()
     for name in ("H_N", "M_Nm", "H_macro_N", "M_macro_Nm"):
         first[name] = -first[name]
@@ -177,26 +204,52 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
         loads = own["V_N"].drop_duplicates().to_numpy(dtype=float)
         for k, name in enumerate(cases.name):
             near = loads if np.isnan(cases.V[k]) else loads[[int(np.argmin(np.abs(loads - cases.V[k])))]]
-            found = [_along(closed(own[own["V_N"] == V]), float(cases.H[k]), float(cases.M[k])) for V in near]
+            load = np.array([cases.H[k], cases.M[k], cases.torsion[k]])
+            found = [_along(own[own["V_N"] == V], load) for V in near]
             worst = int(np.argmax([np.inf if np.isnan(share) else share for share, _ in found]))
             (share, known), nearest = found[worst], float(near[worst])
             V = nearest if np.isnan(cases.V[k]) else float(cases.V[k])
             off = not same_load(V, nearest)
             rows.append({
                 "name": name, "limit_state": cases.limit_state[k], "strength": strength, "H_N": float(cases.H[k]),
-                "M_Nm": float(cases.M[k]), "V_N": V, "V_of_envelope_N": nearest, "off_load": int(off),
+                "M_Nm": float(cases.M[k]), "T_Nm": float(cases.torsion[k]), "V_N": V, "V_of_envelope_N": nearest,
+                "off_load": int(off),
                 "H_capacity_N": float(cases.H[k]) / share if share > 0.0 else np.nan,
                 "M_capacity_Nm": float(cases.M[k]) / share if share > 0.0 else np.nan,
+                "T_capacity_Nm": float(cases.torsion[k]) / share if share > 0.0 else np.nan,
                 "utilisation": share if not off else np.nan, "upper_bound": int(not known),
                 "remarks": cases.notes[k],
             })  # fmt: skip
     return pd.DataFrame(rows)
 
 
-def _along(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, bool]:
-    """Return the share that a load is of the chord in its direction, and whether both of its ends are capacities."""
-    if H == 0.0 and M == 0.0:
+def _along(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
+    """Return the share that a load (H, M, T) is of an envelope in its direction, and whether capacities bound it.
+
+    Without torsion it is that of the chord between two directions, with torsion that of the convex hull of all points.
+    """
+    if not load.any():
         return 0.0, True
+    return _along_chord(closed(points), *load[:2]) if load[2] == 0.0 else _along_hull(points, load)
+
+
+def _along_hull(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
+    """Return the least sum of shares of points, or of their mirror images, that add up to a load (H, M, T)."""
+    from scipy.optimize import linprog
+
+    own = points[["H_N", "M_Nm", "T_Nm"]].to_numpy(dtype=float).T
+    mirrored = np.hstack([own * np.array([[s], [s], [t]]) for s in (1.0, -1.0) for t in (1.0, -1.0)])
+    scale = np.abs(mirrored).max(axis=1, keepdims=True)
+    if (np.abs(load) > 0.0)[scale[:, 0] == 0.0].any():
+        return math.nan, False
+    scale[scale == 0.0] = 1.0
+    found = linprog(np.ones(mirrored.shape[1]), A_eq=mirrored / scale, b_eq=load / scale[:, 0])
+    used = np.tile(points["is_capacity"].to_numpy(dtype=bool), 4)[found.x > 1e-9 * found.fun]
+    return float(found.fun), bool(used.all())
+
+
+def _along_chord(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, bool]:
+    """Return the share that a load is of the chord in its direction, and whether both of its ends are capacities."""
     points = envelope[["H_N", "M_Nm"]].to_numpy(dtype=float)
     known = envelope["is_capacity"].to_numpy(dtype=bool)
     for k in range(len(points) - 1):
@@ -213,12 +266,12 @@ SMALL_STEPS = {"max_step_fraction": 0.01, "first_step_fraction": None}
 
 @dataclass(frozen=True)
 class Planned:
-    """A run of the study: its name, scene, group; the direction [rad] of a probe, None for rays."""
+    """A run of the study: its name, scene, group; the direction of a probe, None for rays."""
 
     name: str
     scene: Scene
     group: Group
-    angle: float | None
+    direction: Direction | None
 
     def with_small_steps(self) -> Planned:
         """Return the run with steps of 1 % of the path at most."""
@@ -236,15 +289,15 @@ class Ended:
     @cached_property
     def point(self) -> Point | None:
         """Capacity of a probe; None of rays, or where nothing converged."""
-        if self.planned.angle is None:
+        if self.planned.direction is None:
             return None
         record = record_of(self.folder, self.planned.scene)
-        return point_of(self.folder, record, self.planned.scene, self.planned.angle)
+        return point_of(self.folder, record, self.planned.scene, self.planned.direction)
 
     @property
     def failed(self) -> bool:
         """Whether a probe did not come to failure."""
-        return self.planned.angle is not None and (self.point is None or not self.point.is_capacity)
+        return self.planned.direction is not None and (self.point is None or not self.point.is_capacity)
 
     @property
     def overloaded(self) -> bool:
@@ -260,7 +313,7 @@ def planned(groups: Iterable[Group], request: Request) -> list[Planned]:
     """Return the runs of a study in their order."""
     runs = []
     for group in groups:
-        runs += [Planned(group.probe_name(a), group.probe(a), group, a) for a in angles(request.directions)]
+        runs += [Planned(group.probe_name(each), group.probe(each), group, each) for each in request.all_directions]
         if request.rays:
             runs.append(Planned(group.rays_name, group.rays(), group, None))
     return runs

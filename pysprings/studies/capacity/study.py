@@ -13,7 +13,7 @@ import pandas as pd
 
 from pysprings.core import version
 from pysprings.core.columns import records
-from pysprings.core.errors import PyspringsError, RunIncomplete, following
+from pysprings.core.errors import PyspringsError, RunIncomplete, following, refused
 from pysprings.core.files.lock import exclusive, new_folder
 from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.files.written import own_folder
@@ -25,15 +25,16 @@ from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.csv import write_frame
+from pysprings.scene.checks import off_plane_refusals
 from pysprings.scene.model import Scene
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, points
-from pysprings.studies.capacity.points import Capacity, Point, utilisation
+from pysprings.studies.capacity.points import Capacity, Point, along_load, utilisation
 from pysprings.studies.stored_runs import RUNS
 
 _ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
-SCHEMA = "pysprings-capacity-2"
+SCHEMA = "pysprings-capacity-3"
 FILES = {
     "report.html": "page with envelope and tables: open it in a browser",
     "capacity.csv": "capacity by direction, vertical load and strength; the macro-model's beside it",
@@ -67,8 +68,11 @@ def study(
     run made again. formats : those of the picture, "png" and "svg"; none: no picture. jobs : worker processes (None:
     the cores of the machine).
 
-    Raises RunIncomplete: no direction has a load; nothing but the runs is written.
+    Raises RunIncomplete: no direction has a load; nothing but the runs is written. UserInputError: the model of the
+    scene carries no torsion.
     """
+    if request.torsion and (why := [text for _, text in off_plane_refusals(scene)]):
+        raise refused("--torsion", f"the load leaves the plane of H and M: {'; '.join(why)}")
     groups = list(plan.groups(scene, request))
     every = points.planned(groups, request)
     with new_folder(out), exclusive(out):
@@ -97,7 +101,7 @@ def assess(
         load = _load_of(own)
         remarks += [f"{group}: {why}"] if why else []
         for each in own:
-            if each.planned.angle is None:
+            if each.planned.direction is None:
                 continue
             point = each.point
             if point is None:
@@ -122,7 +126,7 @@ def _load_of(ended: Iterable[points.Ended]) -> float:
 
 def _model_of(ended: Iterable[points.Ended]) -> tuple[MacroModel | None, str]:
     """Return the macro-model on the rays of a group; None, with the reason, where there is none."""
-    rays = next((each for each in ended if each.planned.angle is None), None)
+    rays = next((each for each in ended if each.planned.direction is None), None)
     if rays is None:
         return None, ""
     try:
@@ -145,33 +149,38 @@ def _is_short(path: SpringPath, scene: Scene) -> bool:
 
 def _row(planned: points.Planned, point: Point, model: MacroModel | None) -> dict[str, Any]:
     """Return one row of the table."""
-    diameter = planned.scene.caisson.outer_diameter
-    size = point.H * math.cos(point.angle) + point.M / diameter * math.sin(point.angle)
+    a, b = point.direction
     row: dict[str, Any] = {
         "strength": planned.group.strength,
         "vertical_load": planned.group.load if isinstance(planned.group.load, str) else "given",
         "V_N": point.V,
-        "direction_deg": math.degrees(point.angle),
+        "direction_deg": math.degrees(a),
+        "torsion_deg": math.degrees(b),
         "H_N": point.H,
         "M_Nm": point.M,
-        "size_N": size,
+        "T_Nm": point.T,
+        "size_N": point.size,
         "criterion": str(point.criterion),
         "is_capacity": int(point.is_capacity),
         "u_m": point.u,
         "w_m": point.w,
         "rotation_rad": point.rotation,
+        "twist_rad": point.twist,
         "growth": point.growth,
         "moved": point.moved,
     }
-    return row | _beside(point, size, model, diameter) | {"run": planned.name}
+    return row | _beside(point, model, planned.scene.caisson.outer_diameter) | {"run": planned.name}
 
 
-def _beside(point: Point, size: float, model: MacroModel | None, diameter: float) -> dict[str, Any]:
-    """Return the capacity of the macro-model in the direction of a point, and its difference where both are known."""
-    if model is None:
+def _beside(point: Point, model: MacroModel | None, diameter: float) -> dict[str, Any]:
+    """Return the capacity of the macro-model in the direction of a point, and its difference where both are known.
+
+    Springs have no capacity under torsion.
+    """
+    if model is None or point.direction[1]:
         return {"H_macro_N": np.nan, "M_macro_Nm": np.nan, "criterion_macro": "", "difference_pct": np.nan}
-    along = np.array([[math.cos(point.angle), diameter * math.sin(point.angle)]])
-    found = capacities(model, along * size)
+    along = along_load(point.direction, diameter)[None, :2]
+    found = capacities(model, along * point.size)
     kind, difference = str(found.kind[0]), 100.0 * (1.0 / float(found.utilisation[0]) - 1.0)
     return {
         "H_macro_N": float(found.H[0]),

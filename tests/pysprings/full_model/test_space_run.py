@@ -43,6 +43,7 @@ FREE = {
 LOAD = {"name": "load", "kind": "load", "H_x": 1e6, "M_x": 4e6, "T": 5e5, "V": 2e6} | HELD
 MOTION = {"name": "motion", "kind": "motion", "u_x": 1e-3, "rot_z": 5e-4, "heave": "fixed"} | HELD
 PATHS = (PULL, TWIST, ELBOW, FREE, LOAD, MOTION)
+PROBE = {"name": "probe", "kind": "probe", "lateral_displacement": 2e-3, "load_angle": 0.4} | HELD
 
 
 def scene(*paths, **sections):
@@ -113,6 +114,57 @@ def test_a_head_is_free_under_a_load_at_a_height_in_either_direction():
     assert row["M_y_Nm"] == pytest.approx(4.0 * row["H_x_N"], abs=100.0)
     assert row["M_x_Nm"] == pytest.approx(-4.0 * row["H_y_N"], abs=100.0)
     assert row["T_Nm"] == pytest.approx(0.0, abs=100.0)
+
+
+def test_a_probe_without_torsion_is_that_of_the_half_model_in_any_direction():
+    """R, its motion, and what is across, N 3: within 0.2 % of the load; other azimuths."""
+    solver = {"tolerance": 1e-4, "max_step_fraction": 0.05}
+    given = {"mesh": {"preset": "coarse", "harmonics": 3}, "solver": solver}
+    turn, plan = np.radians(37.0), {"torsion_angle": 0.0, "direction": np.radians(37.0)}
+    half, whole = (compute(scene(PROBE | more, **given)).recorded() for more in ({}, plan))
+    half, whole = half["paths/probe"].to_dataset(), whole["space/probe"].to_dataset().isel(step=-1)
+    assert (whole.attrs["load_angle_rad"], whole.attrs["torsion_angle_rad"]) == (0.4, 0.0)
+    along, across = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+    for name, lean in (("H", None), ("u", None), ("M", "M"), ("rotation", "rot")):
+        key = lean or name
+        pair = np.array([float(whole[f"{key}_x"]), float(whole[f"{key}_y"])])
+        pair = pair if lean is None else np.array([pair[1], -pair[0]])
+        wanted = float(half[name][-1])
+        assert pair @ along == pytest.approx(wanted, rel=2e-3), name
+        assert abs(pair @ across) < 2e-3 * abs(wanted), name
+    assert abs(float(whole["T"])) < 1e-4 * abs(float(half["M"][-1]))
+
+
+def test_a_probe_with_torsion_keeps_its_direction_and_alone_it_is_the_limit_of_friction():
+    """In elastic soil friction alone ends it: sum of mu p r over walls, lid and tip, less the lid's ring (0.2 %)."""
+    mu, weight, given = 0.4, 10e3, {"load_angle": 0.0, "lateral_displacement": 0.05}
+    soil = {"yield_surface": "elastic", "shear_modulus": 10e6, "poisson_ratio": 0.3, "effective_unit_weight": weight,
+            "surcharge": weight, "K0": 0.5}  # fmt: skip
+    caisson = {"outer_diameter": 8.0, "skirt_length": 4.0, "skirt_thickness": 0.08}
+    alone = PROBE | given | {"name": "alone", "torsion_angle": np.pi / 2}
+    both = PROBE | {"name": "both", "torsion_angle": 0.5, "direction": 1.0}
+    rough = Scene(
+        soil=soil, caisson=caisson, paths=(alone, both), mesh={"preset": "coarse", "harmonics": 1},
+        interface={"friction_coefficient": mu}, domain={"radius": 40.0, "depth": 30.0}, solver={"tolerance": 1e-4},
+    )  # fmt: skip
+    run = compute(rough)
+    paths = run.recorded()["space"]
+    outer, inner, tip = 4.0, 3.92, 4.0
+    walls = 2.0 * np.pi * (outer**2 + inner**2) * 0.5 * weight * (tip + 0.5 * tip**2)
+    ends = 2.0 / 3.0 * np.pi * weight * (inner**3 + (outer**3 - inner**3) * (1.0 + tip))
+    end = paths["alone"].isel(step=-1)
+    assert float(end["T"]) == pytest.approx(mu * (walls + ends), rel=5e-3)
+    assert 8.0 * float(end["rot_z"]) == pytest.approx(0.05)
+    step = paths["both"].to_dataset().isel(step=-1)
+    size, a, b = float(step["T"]) / 8.0 / np.sin(0.5), 0.4, 0.5
+    plan = size * np.cos(b) * np.array([np.cos(1.0), np.sin(1.0)])
+    wanted = [*np.cos(a) * plan, -8.0 * np.sin(a) * plan[1], 8.0 * np.sin(a) * plan[0]]
+    assert [float(step[name]) for name in ("H_x", "H_y", "M_x", "M_y")] == pytest.approx(wanted, rel=1e-4)
+    wall, turn = (np.array([float(step[f"{name}_x"]), float(step[f"{name}_y"])]) for name in ("u", "rot"))
+    plan /= np.linalg.norm(plan)
+    lean = turn[1] * plan[0] - turn[0] * plan[1]
+    moved = np.cos(b) * (np.cos(a) * wall @ plan + 8.0 * np.sin(a) * lean) + 8.0 * np.sin(b) * float(step["rot_z"])
+    assert moved == pytest.approx(2e-3)
 
 
 def test_a_twist_turns_back_with_friction_and_moves_nothing_else():
@@ -251,6 +303,9 @@ def test_motions_are_judged_alike_in_any_direction():
     (TWIST | {"role": "calibration"}, {}, 'role = "memory" or "held-back"'),
     ({"name": "a", "kind": "twist"} | HELD, {}, "needs twist"),
     ({"name": "a", "kind": "motion"} | HELD, {}, "needs one of u_x"),
+    (PROBE | {"load_angle": None, "torsion_angle": 0.5}, {}, "needs a load_angle"),
+    (PROBE | {"lateral_displacement": None, "torsion_angle": 0.5}, {}, "needs lateral_displacement"),
+    (PULL | {"torsion_angle": 0.5} | HELD, {}, "torsion_angle: a path of kind \"pull\""),
     (TWIST | {"H_x": 1e6}, {}, "does not use it"),
     (PULL | {"T": 1e6} | HELD, {}, "does not use it"),
     (TWIST | {"then": ["rest 1 hour"]}, {}, 'goes on with "20 mrad" alone'),

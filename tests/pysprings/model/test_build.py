@@ -232,6 +232,7 @@ CHANGES: dict[tuple[str, str], Any] = {
 }
 _HELD = {"lateral_displacement": None, "role": "held-back"}
 _SPACE: dict[str, dict[str, Any]] = {
+    "torsion_angle": {"kind": "probe", "load_angle": 0.3, "role": "held-back"},
     "twist": _HELD | {"kind": "twist", "twist": 1e-3}, "radius": _HELD | {"kind": "circle", "radius": 1e-3},
     **dict.fromkeys(TURNS, _HELD | {"kind": "motion", "u_x": 1e-3}),
     **dict.fromkeys(LOADS, _HELD | {"kind": "load", "H_y": 1e6}),

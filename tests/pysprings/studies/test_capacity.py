@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
 from pysprings.studies.capacity import picture, plan, points, study
 from pysprings.studies.capacity.picture import envelopes
@@ -41,7 +41,7 @@ def test_groups_are_loads_by_strengths() -> None:
 @pytest.mark.parametrize("angle", [-math.pi / 2, -0.3, 0.0, 1.2])
 def test_probes_reach_the_limit_of_motion(angle: float) -> None:
     """No motion within 10 % of D and 5 degrees has a larger conjugate displacement than that imposed."""
-    (path,) = group().probe(angle).paths
+    (path,) = group().probe((angle, 0.0)).paths
     assert (path.kind, path.vertical_load, path.load_angle) == ("probe", 1e6, angle)
     u, turn = 0.1 * D * np.sign(math.cos(angle)), math.radians(5.0) * np.sign(math.sin(angle))
     assert path.lateral_displacement == pytest.approx(u * math.cos(angle) + turn * D * math.sin(angle))
@@ -63,24 +63,57 @@ def test_rays_cover_the_limit_of_motion() -> None:
         assert min(beside) > at_limit, degrees
 
 
-def curve(load: np.ndarray, motion: np.ndarray) -> np.ndarray:
-    """Return states of a push in the direction of H."""
-    zero = np.zeros_like(load)
-    return np.stack([motion, zero, zero, load, zero + 1e6, zero], axis=1)
+def test_with_torsion_every_direction_leaves_the_plane_and_torsion_alone_is_one() -> None:
+    request = plan.Request((1e6,), directions=2, torsion=(math.pi / 2, math.radians(30.0)))
+    names = [group().probe_name(each) for each in request.all_directions]
+    ends = ["+0deg", "+90deg", "+0deg-T30deg", "+90deg-T30deg", "+0deg-T90deg"]
+    assert names == [f"characteristic-V1000kN-{end}" for end in ends]
+    series = plan.Group(plan.CHARACTERISTIC, 1e6, SCENE.replace(mesh={"discretisation": "fourier"}))
+    (path,) = series.probe(request.all_directions[3]).paths
+    assert path.in_space and (path.load_angle, path.torsion_angle) == request.all_directions[3]
+    reach = math.radians(5.0) * D * (math.cos(math.radians(30.0)) + 0.5)  # rotation and twist at their limits
+    assert path.lateral_displacement == pytest.approx(reach)
+    with pytest.raises(UserInputError, match=r"--torsion: 120 deg is not in \(0, 90\] deg"):
+        plan.Request((1e6,), torsion=(math.radians(120.0),))
+
+
+def curve(load: np.ndarray, motion: np.ndarray, direction: plan.Direction = (0.0, 0.0)) -> np.ndarray:
+    """Return states of a load R [N] in a direction, along its conjugate displacement [m]."""
+    states = np.zeros((len(load), 12))
+    states[:, 8] = 1e6
+    along = points.along_load(direction, D)
+    states[:, [6, 10, 11]] = load[:, None] * along
+    states[:, [0, 4, 5]] = motion[:, None] * along / (along @ along)
+    return states
 
 
 def test_criteria_of_failure() -> None:
     """Peak, plateau, load at the limit of motion (interpolated there), and a run that stopped before."""
     u = np.linspace(0.0, 0.12 * D, 13)
-    peak = assess(curve(np.where(u < 0.05 * D, u, 0.08 * D - 0.6 * u) * 1e6, u), SCENE, 0.0)
+    peak = assess(curve(np.where(u < 0.05 * D, u, 0.08 * D - 0.6 * u) * 1e6, u), SCENE, (0.0, 0.0))
     assert peak.criterion is Criterion.PEAK and peak.moved < 1.0
-    plateau = assess(curve(1e6 * np.tanh(40.0 * u / D), u), SCENE, 0.0)
+    plateau = assess(curve(1e6 * np.tanh(40.0 * u / D), u), SCENE, (0.0, 0.0))
     assert plateau.criterion is Criterion.PLATEAU and pytest.approx(1e6, rel=1e-2) == plateau.H
-    rising = assess(curve(1e6 * u, u), SCENE, 0.0)
+    rising = assess(curve(1e6 * u, u), SCENE, (0.0, 0.0))
     assert rising.criterion is Criterion.MOTION
     assert (rising.u, rising.H, rising.growth) == pytest.approx((0.1 * D, 0.1 * D * 1e6, 1.0))
-    stopped = assess(curve(1e6 * u[:5], u[:5]), SCENE, 0.0, "localisation")
+    stopped = assess(curve(1e6 * u[:5], u[:5]), SCENE, (0.0, 0.0), "localisation")
     assert (stopped.criterion, stopped.is_capacity, stopped.why) == (Criterion.NONE, False, "localisation")
+
+
+def test_the_limit_of_motion_counts_twist_and_what_moves_across() -> None:
+    """A load with torsion: R from H, M and T; the twist comes to 5 degrees, or u_y to 10 % of D, before H does."""
+    direction = (0.4, 0.9)
+    q = np.linspace(0.0, 1.0, 101)
+    states = curve(1e6 * q, q, direction)
+    point = assess(states, SCENE, direction)
+    assert point.criterion is Criterion.MOTION
+    assert max(point.u / (0.1 * D), abs(point.twist) / math.radians(5.0)) == pytest.approx(1.0)
+    np.testing.assert_allclose([point.H, point.M, point.T], point.size * points.along_load(direction, D))
+    states[:, 1] = 20.0 * states[:, 0]
+    across = assess(states, SCENE, direction)
+    tip = max(abs(across.u), abs(across.u - across.rotation * L))
+    assert math.hypot(tip, 20.0 * across.u) == pytest.approx(0.1 * D) and across.size < 0.6 * point.size
 
 
 def circle(count: int = 8, known: bool = True) -> pd.DataFrame:
@@ -88,6 +121,7 @@ def circle(count: int = 8, known: bool = True) -> pd.DataFrame:
     angle = np.array(plan.angles(count))
     return pd.DataFrame({
         "strength": "characteristic", "vertical_load": "given", "V_N": 1e6, "direction_deg": np.degrees(angle),
+        "torsion_deg": 0.0, "T_Nm": 0.0, "twist_rad": 0.0,
         "H_N": 1e6 * np.cos(angle), "M_Nm": 2e6 * np.sin(angle), "size_N": 1e6, "criterion": "displacement limit",
         "is_capacity": int(known), "u_m": 0.1, "w_m": 0.0, "rotation_rad": -0.01, "growth": 0.1, "moved": 1.0,
         "H_macro_N": 0.98e6 * np.cos(angle), "M_macro_Nm": 1.96e6 * np.sin(angle),
@@ -113,6 +147,57 @@ def test_utilisation_by_chords(tmp_path: Path) -> None:
     assert np.isnan(found["utilisation"]["other V"]) and found["off_load"]["other V"] == 1
     assert found["H_capacity_N"]["half"] == pytest.approx(-1e6)
     assert utilisation(circle(known=False), cases)["upper_bound"].all()
+
+
+def sphere(known: bool = True) -> pd.DataFrame:
+    """Return the circle with torsion of 3 MN m: at 30 and 60 degrees out of the plane, and alone."""
+    rows = [circle()]
+    for b in np.radians([30.0, 60.0, 90.0]):
+        turned = circle() if b < 1.5 else circle().iloc[[3]]
+        shares = {"H_N": np.cos(b), "M_Nm": np.cos(b)}
+        rows.append(turned.assign(
+            torsion_deg=np.degrees(b), T_Nm=3e6 * np.sin(b), criterion_macro="", difference_pct=np.nan,
+            H_macro_N=np.nan, M_macro_Nm=np.nan, is_capacity=int(known),
+            **{name: turned[name] * share for name, share in shares.items()}))  # fmt: skip
+    return pd.concat(rows, ignore_index=True)
+
+
+def torsion_cases(folder: Path) -> LoadCases:
+    file = folder / "torsion.csv"
+    rows = ["plane,500,0,1000,0", "alone,0,0,1000,-1500", "both,-400,600,1000,-1200", "beyond,600,1600,1000,2400"]
+    file.write_text("\n".join(["name,H [kN],M [kN m],V [kN],T [kN m]", *rows]) + "\n", encoding="utf-8")
+    return read_load_cases(file).bounded(0.5 * D, torsion=True)
+
+
+def test_utilisation_with_torsion_is_that_of_the_hull(tmp_path: Path) -> None:
+    """An ellipsoid, in every octant: the hull lies up to 8 % inside of it; without points with T no answer."""
+    cases = torsion_cases(tmp_path)
+    found = utilisation(sphere(), cases).set_index("name")
+    assert found["utilisation"][["plane", "alone"]].tolist() == pytest.approx([0.5, 0.5])
+    for name, H, M, T in (("both", 0.4, 0.3, 0.4), ("beyond", 0.6, 0.8, 0.8)):
+        true = math.sqrt(H * H + M * M + T * T)
+        assert true * 0.9999 <= found["utilisation"][name] < 1.08 * true
+        assert found["T_capacity_Nm"][name] == pytest.approx(found["T_Nm"][name] / found["utilisation"][name])
+    assert utilisation(sphere(known=False), cases)["upper_bound"].tolist() == [0, 1, 1, 1]
+    assert utilisation(circle(), cases)["utilisation"].isna().tolist() == [False, True, True, True]
+
+
+def test_torsion_is_drawn_and_printed(tmp_path: Path) -> None:
+    request = plan.Request((1e6,), torsion=(math.radians(30.0), math.pi / 2))
+    outcome = Capacity(SCENE, request, sphere(), utilisation(sphere(), torsion_cases(tmp_path)), ())
+    study.write(tmp_path, outcome)
+    written = pd.read_csv(tmp_path / "capacity.csv")
+    assert written["T_Nm"].max() == pytest.approx(3e6) and len(written) == 25
+    assert picture.closing(outcome.table) == "macro-model against full model in 8 of 8 directions: -2.0 to -2.0 %"
+    plane, torsion = envelopes(outcome.table, SCENE, outcome.cases).axes
+    names = torsion.get_legend_handles_labels()[1]
+    assert names[0] == "-67.5 deg, characteristic strength" and len(names) == 9  # eight directions, load cases
+    for line in torsion.lines[:8]:
+        size, T = np.array(line.get_xdata()), np.array(line.get_ydata())
+        assert T.tolist() == pytest.approx([0.0, 1.5, 1.5 * math.sqrt(3.0), 3.0]) and size[-1] == pytest.approx(0.0)
+    assert [text.get_text() for text in plane.texts] == ["plane"]
+    assert [text.get_text() for text in torsion.texts] == ["alone", "both", "beyond"]
+    assert "at 90 it is T alone" in (tmp_path / "report.html").read_text()
 
 
 def test_files_and_words(tmp_path: Path) -> None:
@@ -172,7 +257,7 @@ def test_a_flat_end_of_tiny_steps_is_no_failure(step: float) -> None:
     """A probe that localisation stops at an eighth of its way: the last steps, 0.01 % of it, are flat or fall."""
     u = np.append(np.linspace(0.0, 0.012 * D, 9), 0.0120012 * D)
     load = np.append(1e6 * np.sqrt(u[:-1]), 1e6 * np.sqrt(u[-2]) * (1.0 + step))
-    stopped = assess(curve(load, u), SCENE, 0.0, "localisation")
+    stopped = assess(curve(load, u), SCENE, (0.0, 0.0), "localisation")
     assert (stopped.criterion, stopped.why) == (Criterion.NONE, "localisation")
     assert stopped.growth == pytest.approx(0.5, abs=0.05)
 
@@ -194,7 +279,7 @@ def test_runs_have_names_and_springs() -> None:
     assert [each.name for each in every] == [
         "characteristic-V1000kN-+0deg", "characteristic-V1000kN-+90deg", "characteristic-V1000kN-rays"
     ]  # fmt: skip
-    assert [each.angle is None for each in every] == [False, False, True]
+    assert [each.direction is None for each in every] == [False, False, True]
 
 
 def test_refusals(tmp_path: Path) -> None:
@@ -203,6 +288,12 @@ def test_refusals(tmp_path: Path) -> None:
         (("--V", "3"), "--V 3: expected a quantity with unit"),
         (("--factor", "0.5"), '--factor: "0.5": expected a number'),
         (("--directions", "1"), "--directions: 1 is not in [2, 72]"),
+        (("--torsion", "0 deg"), "--torsion: 0 deg is not in (0, 90] deg"),
+        (("--torsion", "45"), "--torsion 45: expected a quantity with unit"),
+        (
+            ("--torsion", "45 deg", "--discretisation", "hex8"),
+            "--torsion: the load leaves the plane of H and M: bricks have half of a caisson",
+        ),
         (("--springs", tmp_path / "no"), "--springs: no such file or folder"),
     ):
         done = command("capacity", file, *given, "--out", tmp_path / "out")
