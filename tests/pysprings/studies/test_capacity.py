@@ -110,10 +110,10 @@ def test_the_limit_of_motion_counts_twist_and_what_moves_across() -> None:
     assert point.criterion is Criterion.MOTION
     assert max(point.u / (0.1 * D), abs(point.twist) / math.radians(5.0)) == pytest.approx(1.0)
     np.testing.assert_allclose([point.H, point.M, point.T], point.size * points.along_load(direction, D))
-    states[:, 1] = 20.0 * states[:, 0]
+    states[:, 1] = 200.0 * states[:, 0]
     across = assess(states, SCENE, direction)
     tip = max(abs(across.u), abs(across.u - across.rotation * L))
-    assert math.hypot(tip, 20.0 * across.u) == pytest.approx(0.1 * D) and across.size < 0.6 * point.size
+    assert math.hypot(tip, 200.0 * across.u) == pytest.approx(0.1 * D) and across.size < 0.6 * point.size
 
 
 def circle(count: int = 8, known: bool = True) -> pd.DataFrame:
