@@ -284,20 +284,25 @@ def _from_all_sides(
     import numpy as np
 
     from pysprings.core.errors import BeyondSprings, Problem
+    from pysprings.macro.answer import raise_or_warn
     from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides
+    from pysprings.macro.model import typed
     from pysprings.macro.predict import STEPS
-    from pysprings.macro.space import MEMORY, sequence_in_space
-    from pysprings.macro.user_curves import CurveSprings
+    from pysprings.macro.space import MEMORY, answers_in_space
     from pysprings.springs.path import SPACE_LOADS
 
     kind, V = common["springs_kind"], np.array([np.nan if question.V is None else question.V])
     choice = {"springs_kind": None if kind == MEMORY else kind, "path": common["path"]}
-    case = answer_from_all_sides(springs, loads, np.array([T]), V, common["extrapolate"], **choice).isel(case=0)
-    if isinstance(springs, CurveSprings) or not int(case.get("in_space", 0)):
+    source = typed(springs)
+    if (space := answers_in_space(source, **choice)) is None:
+        return None
+    case = answer_from_all_sides(source, loads, np.array([T]), V, common["extrapolate"], space, **choice).isel(case=0)
+    if not int(case["in_space"]):
         return None
     way = np.linspace(0.0, 1.0, STEPS + 1)[1:, None] * [float(case[name]) for name in SPACE_LOADS]
     care = {name: common[name] for name in ("strict", "extrapolate")}
-    states = sequence_in_space(springs, way, V=question.V, **care)
+    down = None if question.V is None else np.full(STEPS, question.V)
+    states = raise_or_warn(space.answer("load", way, down), **care)
     if why := str(case["why_not"].values):
         raise BeyondSprings([Problem(key="springs", message=why)])
     apart = float(case["plane_difference_pct"])

@@ -125,9 +125,12 @@ def answer_from_all_sides(
     T: Array,
     V: Array,
     extrapolate: bool = False,
+    space: SpaceAnswers | None = None,
     **choice: Unpack[SpringChoice],
 ) -> xr.Dataset:
     """Answer loads in their planes, with a moment across and T (n,) [N m], at V (n,) [N]; NaN: that of the springs.
+
+    space: the springs in space of this choice, where the caller has them; else they are looked for.
 
     Cases with T or a moment across are answered by springs in space where there are any (`in_space` 1), each in
     proportion from rest: u and rotation are sizes of vectors, w and stiffness NaN; `unchecked`, `torsion_apart` mark it
@@ -138,7 +141,8 @@ def answer_from_all_sides(
     source = springs if isinstance(springs, MacroModel) else typed(springs)
     answers = answer_loads(source, np.stack([loads.H, loads.M], axis=1), V, extrapolate, **choice)
     aside = (loads.across != 0.0) | (T != 0.0)
-    space = answers_in_space(source, **choice) if aside.any() else None
+    if space is None and aside.any():
+        space = answers_in_space(source, **choice)
     if space is not None and not space.response.has_torsion:
         aside = (loads.across != 0.0) & (T == 0.0)
     linear = np.ones(len(T), dtype=bool) if space is None else ~aside

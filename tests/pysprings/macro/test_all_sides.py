@@ -207,6 +207,17 @@ def test_the_set_in_space_is_built_for_rows_aside_alone(monkeypatch) -> None:
     assert Springs.of(calibrated()).space and SPACE_LOADS == PUSHES
 
 
+def test_predict_builds_the_set_in_space_once(tmp_path: Path, monkeypatch) -> None:
+    file, built = tmp_path / "springs.nc", []
+    save_springs(calibrated(), file)
+    build = SpaceAnswers.of
+    monkeypatch.setattr(SpaceAnswers, "of", lambda *given: built.append(given) or build(*given))
+    warnings.simplefilter("ignore", MacroWarning)
+    done = command("predict", file, "--Hx=200 kN", "--My=400 kN m", "--T=200 kN m")
+    assert done.code == 0, done.err
+    assert len(built) == 1
+
+
 def test_report_and_workbook_have_the_errors_out_of_one_plane(tmp_path: Path) -> None:
     """On other slices there are no springs in space: the paths out of one plane belong to those of the mesh."""
     frame, tree = compare(calibrated()), calibrated()
