@@ -2,7 +2,8 @@
 # make test      the quick tests, seconds each;  make test-slow  about a minute each;  make test-long  many minutes each;
 # make test-all  all of them;  make lint  style, types, import contracts
 # make site      the documentation site in out/site;  make gallery  the same with all examples run
-#                (these install what development needs, too; THIRD-PARTY.md has the licences)
+#                (these install what development needs, too: open packages alone)
+# make extras    also Intel's MKL (1 GB) and openseespy, without which the tests of both are skipped (THIRD-PARTY.md: licences)
 # make test-lowest  a few tests with the oldest dependencies that pyproject.toml allows
 
 PYTHON ?= python3
@@ -25,11 +26,15 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
 
-.PHONY: site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure paper paper-evidence accuracy stability bench bench-peers turbine reference clean
+.PHONY: extras site gallery screenshots build wheel-check release run test test-lowest test-slow test-long test-all mutation audit verification verification-data lint pages figure paper paper-evidence accuracy stability bench bench-peers turbine reference clean
 
 run: $(STAMP)
 	@test -f $(SCENE) || $(BIN)/pysprings init $(SCENE)
 	$(BIN)/pysprings run $(SCENE) --out $(RESULT) --force
+
+# what is not open software, for tests that compare with it; without them these are skipped
+extras: $(DEV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev,mkl,opensees]"
 
 site: $(DOCS)
 	rm -rf docs/reference/api

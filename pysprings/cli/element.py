@@ -139,7 +139,7 @@ def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) ->
 
 def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, ...]:
     """Return the keys to be fitted."""
-    from pysprings.scene.fields import suggestion
+    from pysprings.core.text import suggestion
     from pysprings.studies.element.fit import known_keys
 
     if text is None:

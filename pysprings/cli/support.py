@@ -3,6 +3,7 @@
 
 import io
 import os
+import re
 import shlex
 import signal
 import sys
@@ -20,7 +21,7 @@ from typer.core import TyperCommand
 from pysprings.core.columns import Table
 from pysprings.core.errors import Problem, UserInputError, printable, refused
 from pysprings.core.progress import PlainLines, Progress
-from pysprings.core.text import json_text, plain_table
+from pysprings.core.text import json_text, plain_table, suggestion
 from pysprings.core.version import __version__
 
 WRONG: list[Problem] = []  # faults of options that read quantities, of the command line that is parsed
@@ -149,7 +150,13 @@ class Once(TyperCommand):
             single = not getattr(param, "multiple", False) and not getattr(param, "is_flag", False)
             if not WRONG and single and sum(given.count(name) for name in names) > 1:
                 WRONG.append(Problem(key=names[0], message="is given twice: one value is needed"))
-        left = [] if WRONG else super().parse_args(ctx, args)
+        try:
+            left = [] if WRONG else super().parse_args(ctx, args)
+        except typer.BadParameter as error:  # 'x' is not one of 'a', 'b'
+            error.message = error.message.removeprefix("Value error, ")
+            word, *known = re.findall(r"'([^']*)'", error.message) or [""]
+            error.message += suggestion(word, known)
+            raise
         if WRONG:
             error = UserInputError(WRONG)
             to_stderr(str(error))

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Generic, Protocol, TypeVar
 
 from pysprings.core.errors import refused
+from pysprings.core.text import suggestion
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 
@@ -89,5 +90,6 @@ class Registry(Generic[Item]):
         try:
             return self[name]
         except KeyError:
-            message = f"'{name}' is not one of {', '.join(self.names())}"
+            names = self.names()
+            message = f"'{name}' is not one of {', '.join(names)}{suggestion(name, names)}"
             raise refused(key, message) from None

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Numbers, tables and JSON as text: one form for terminal, report and documents."""
 
+import difflib
 import json
 import math
 import re
@@ -46,6 +47,12 @@ def with_prefix(value: float, unit: str) -> str:
     """
     letter, scale = ("G", 1e9) if abs(value) >= 1e10 else ("k", 1e3) if abs(value) < 1e5 else ("M", 1e6)
     return f"{value / scale:.4g} {letter}{unit}"
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """Return ` (did you mean 'x'?)` when a known word is near, else nothing."""
+    near = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
+    return f" (did you mean '{near[0]}'?)" if near else ""
 
 
 def one_line(text: str) -> str:

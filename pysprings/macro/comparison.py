@@ -44,6 +44,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import VERTICAL
+from pysprings.core.text import suggestion
 from pysprings.macro import measures
 from pysprings.macro.answer import trace
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
@@ -88,7 +89,10 @@ class Comparison:
         springs = _springs_of(model)
         sets = spring_sets(springs.answering(springs.path()))
         if springs_kind is not None and springs_kind not in sets:
-            raise refused("springs_kind", f"no springs '{springs_kind}' here; there are: {', '.join(sets)}")
+            raise refused(
+                "springs_kind",
+                f"no springs '{springs_kind}' here{suggestion(springs_kind, sets)}; there are: {', '.join(sets)}",
+            )
         return cls(springs, springs_kind)
 
     @cached_property

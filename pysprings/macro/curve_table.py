@@ -26,6 +26,7 @@ from pysprings.springs.sums import action
 # A displacement must cover this share of the largest one on the path to carry a curve: less is noise near the
 # point of rotation, where p/y runs to infinity.
 MIN_RANGE = 0.10
+CORNER = 1e-7  # share of a segment over which straight lines are joined
 # Smallest growth between two steps, as a share of the range, that still counts as monotonic.
 MIN_GROWTH = 1e-7
 # A reaction may pull along with its displacement (a negative spring) up to this share of its largest value.
@@ -245,14 +246,18 @@ def _end_rows(rec: _Recorded) -> list[Row | None]:
     ]
 
 
-def stack(rows: list[Row]) -> SpringTable:
-    """Return rows as one table, each curve turned to positive displacements, with its slopes."""
-    count = np.array([row.q.size for row in rows], dtype=np.int64)
+def stack(rows: list[Row], straight: bool = False) -> SpringTable:
+    """Return rows as one table, each curve turned to positive displacements, with its slopes, or on straight lines."""
+    curves = [(np.abs(row.q), np.where(row.q < 0, -row.r, row.r)) for row in rows]
+    lines = [straight_lines(*each) for each in curves] if straight else []
+    count = np.array([each[0].size for each in lines or curves], dtype=np.int64)
     q = np.full((len(rows), int(count.max(initial=2))), np.inf)
     r, slope = np.zeros_like(q), np.zeros_like(q)
-    for j, row in enumerate(rows):
-        q[j, : count[j]], r[j, : count[j]] = np.abs(row.q), np.where(row.q < 0, -row.r, row.r)
-    for n in np.unique(count):
+    for j, (x, y, *_) in enumerate(lines or curves):
+        q[j, : count[j]], r[j, : count[j]] = x, y
+    for j, (_, _, own) in enumerate(lines):
+        slope[j, : count[j]] = own
+    for n in np.unique(count) if not straight else ():
         same = np.flatnonzero(count == n)
         slope[same, :n] = pchip_slopes(q[same, :n], r[same, :n])
     return SpringTable(
@@ -268,6 +273,16 @@ def stack(rows: list[Row]) -> SpringTable:
         natural=np.array([row.natural for row in rows], dtype=bool),
         cut=np.array([row.cut for row in rows], dtype=bool),
     )
+
+
+def straight_lines(q: Array, r: Array) -> tuple[Array, Array, Array]:
+    """Return knots, reactions and slopes of straight lines through points (k,), corners rounded (`CORNER`)."""
+    slopes = np.diff(r) / np.diff(q)
+    gap = CORNER * np.minimum(np.diff(q)[:-1], np.diff(q)[1:])
+    inner = np.stack([q[1:-1] - gap, q[1:-1] + gap], axis=1).ravel()
+    reactions = np.stack([r[1:-1] - gap * slopes[:-1], r[1:-1] + gap * slopes[1:]], axis=1).ravel()
+    ends = [np.concatenate([x[:1], y, x[-1:]]) for x, y in ((q, inner), (r, reactions))]
+    return ends[0], ends[1], np.repeat(slopes, 2)
 
 
 def pchip_slopes(q: Array, r: Array) -> Array:

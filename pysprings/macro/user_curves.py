@@ -8,6 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.text import suggestion
 from pysprings.macro.curve_table import Row, SpringTable, stack
 from pysprings.springs.path import SpringPath
 from pysprings.springs.sums import action
@@ -30,12 +31,16 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class CurveSet:
-    """Curves of one name: depths (n,) and slices (n, 2) of p [m], all curves, a sentence on what was assumed."""
+    """Curves of one name: depths (n,) and slices (n, 2) of p [m], all curves, a sentence on what was assumed.
+
+    straight: curves are straight lines between their points, not smooth.
+    """
 
     depth: Array
     bounds: Array
     curves: list[Curve]
     note: str = ""
+    straight: bool = False
 
     @property
     def length(self) -> float:
@@ -51,7 +56,7 @@ class CurveSet:
         """Return the rows of all curves, or those of p alone."""
         heights = dict(zip(self.depth, self.bounds[:, 1] - self.bounds[:, 0], strict=True))
         used = [curve for curve in self.curves if companions or curve.name == "p"]
-        return stack([self._row(curve, heights.get(curve.depth, 0.0)) for curve in used])
+        return stack([self._row(curve, heights.get(curve.depth, 0.0)) for curve in used], self.straight)
 
     def _row(self, curve: Curve, dz: float) -> Row:
         at = self.length if curve.name.endswith("tip") else 0.0 if curve.name.endswith("lid") else curve.depth
@@ -72,7 +77,11 @@ class CurveSprings:
         """Return the set of a name, or the first one."""
         chosen = next(iter(self.sets)) if name is None else name
         if chosen not in self.sets:
-            raise refused("path", f"no path '{chosen}'; the table has: {', '.join(self.sets)}", self.source)
+            raise refused(
+                "path",
+                f"no path '{chosen}'{suggestion(chosen, self.sets)}; the table has: {', '.join(self.sets)}",
+                self.source,
+            )
         return chosen, self.sets[chosen]
 
     def origin(self, name: str) -> SpringPath:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from pysprings.core.errors import refused
+from pysprings.core.text import suggestion
 from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class Pictures:
 
         known = {each.replace("-", "_"): each for each in PICTURES.names()}
         if name not in known:
-            raise AttributeError(f"no picture '{name}'; there are: {', '.join(known)}")
+            raise AttributeError(f"no picture '{name}'{suggestion(name, known)}; there are: {', '.join(known)}")
         return partial(draw, self._tree, known[name])
 
     def __dir__(self) -> list[str]:

@@ -9,8 +9,9 @@ import numpy as np
 from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
-from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, refuse, suggestion
+from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, refuse
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 
 OPTION = "--set"
@@ -106,7 +107,7 @@ def _entry(tables: list[Any], name: str, change: Change) -> int:
     names = _names(tables)
     if name in names:
         return names.index(name)
-    raise _refused(change, f"no '{name}'; there are: {', '.join(names) or 'none'}")
+    raise _refused(change, f"no '{name}'{suggestion(name, names)}; there are: {', '.join(names) or 'none'}")
 
 
 def _refused(change: Change, message: str) -> UserInputError:

@@ -5,7 +5,6 @@ Each is a pydantic annotation, `radius: Annotated[float, Quantity("m", "(0, 1e4]
 a dimensional value must be a text with its unit; from Python an SI number will do as well.
 """
 
-import difflib
 import math
 import re
 from abc import ABC, abstractmethod
@@ -20,6 +19,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pysprings.core import units
 from pysprings.core.files.written import is_device
 from pysprings.core.magnitudes import slip
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 
 FROM_TOML = {"bare_numbers": False}  # validation context of a scene that comes from a file
@@ -29,12 +29,6 @@ QUANTITY_PATTERN = r"^\s*[+\-−]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]{1,4
 def refuse(message: str, **context: Any) -> PydanticCustomError:
     """Return the error that carries a message for the user."""
     return PydanticCustomError("scene", "{message}", {"message": message, **context})
-
-
-def suggestion(word: str, known: Sequence[str]) -> str:
-    """Return ` (did you mean 'x'?)` when a known word is near, else nothing."""
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return f" (did you mean '{near[0]}'?)" if near else ""
 
 
 @dataclass(frozen=True)

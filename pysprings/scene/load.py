@@ -16,11 +16,12 @@ from typing import Any, NoReturn
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design, take_cases
-from pysprings.scene.fields import FROM_TOML, suggestion
+from pysprings.scene.fields import FROM_TOML
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 from pysprings.scene.profile_table import key_of, read_layers

@@ -8,6 +8,7 @@ ranges. What the other two estimates would give is checked, too.
 from collections.abc import Iterator
 from typing import Any
 
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
 
@@ -57,7 +58,7 @@ def take_estimate(data: dict[str, Any], title: str) -> tuple[list[str], str]:
     chosen = given if given in ESTIMATES else "best"
     wrong = ""
     if given is not None and given not in ESTIMATES:
-        wrong = f"{quoted(given)} is not one of {', '.join(map(quoted, ESTIMATES))}"
+        wrong = f"{quoted(given)} is not one of {', '.join(map(quoted, ESTIMATES))}{suggestion(str(given), ESTIMATES)}"
     elif given is not None and not ranged:
         wrong = "no value of the scene has a range { low, best, high }: all estimates are the same"
     elif given is not None and isinstance(own, str):

@@ -77,7 +77,7 @@ def template_names() -> list[str]:
 
 def template_text(name: str) -> str:
     """Return the text of a template, or refuse an unknown name."""
-    from pysprings.scene.fields import suggestion
+    from pysprings.core.text import suggestion
 
     known = template_names()
     if name not in known:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.tables import ENDINGS, Column, Sheet, Table, is_table, one_table, sheets_of, split
 from pysprings.core.tables.headings import TEXT
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
 from pysprings.scene.profile_table import EPS50, NAMES, TOTAL, VELOCITY, WATER, columns, row_ends
@@ -247,7 +248,7 @@ def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
     table.faults.stop()
     names, laws = table.texts("name"), table.texts("law")
     for k in [k for k, law in enumerate(laws) if law and law not in SOIL_LAWS]:
-        table.fault(k, "law", f"{quoted(laws[k])} is not one of {', '.join(SOIL_LAWS)}")
+        table.fault(k, "law", f"{quoted(laws[k])} is not one of {', '.join(SOIL_LAWS)}{suggestion(laws[k], SOIL_LAWS)}")
     table.faults.stop()
     return [
         Bed(table.place, int(table.lines[k]), float(tops[k]), float(bottoms[k]), names[k] or f"layer {k + 1}",

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.core.text import suggestion
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.site.correlations import CONE_FACTORS, CRITICAL, SAND, Correlation, Rows, clay, dilation
@@ -143,9 +144,11 @@ def _below(points: Points | None, units: Sequence[Unit]) -> list[str]:
 def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
     """Return the test that is chosen; None where there is none."""
     found = [each for each in soundings if options.test in (None, each.name)]
-    names = ", ".join(each.name for each in soundings)
+    names = ", ".join(known := [each.name for each in soundings])
     if options.test is not None and not found:
-        raise refused("--test", f"no test '{options.test}'; there are: {names or 'none'}")
+        raise refused(
+            "--test", f"no test '{options.test}'{suggestion(options.test, known)}; there are: {names or 'none'}"
+        )
     if len(found) > 1:
         raise refused("--test", f"choose one of the {len(found)} tests: {names}")
     if not found:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MEMORY
+from pysprings.core.text import suggestion
 from pysprings.core.vertical_loads import same_load
 from pysprings.springs import path_sets
 from pysprings.springs.checks import check_schema, validate_springs
@@ -190,7 +191,8 @@ class Springs:
             ranked = [*(path for path in lateral if path.calibrates), *lateral, *self.paths.values()]
             name = ranked[0].name if ranked else None
         if name is None or name not in self.paths:
-            raise refused("path", f"no path '{name}'; the springs have: {', '.join(self.paths) or 'none'}")
+            meant = suggestion(str(name), self.paths)
+            raise refused("path", f"no path '{name}'{meant}; the springs have: {', '.join(self.paths) or 'none'}")
         return self.paths[name]
 
     @cached_property

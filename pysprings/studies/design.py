@@ -25,6 +25,7 @@ from pysprings.core.vertical_loads import close_loads, nearest
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
 from pysprings.macro.model import typed
+from pysprings.macro.vertical import build_vertical
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
@@ -103,9 +104,11 @@ def answer_cases(
     frame["marks"] = frame["marks"].where(~space, own)  # springs in space are those of one V
     D = answers.attrs.get("outer_diameter_m")
     bound, found = cases.bounded(None if D is None else 0.5 * float(D)), answers
-    if cases.aside.any():
-        found = answer_loads(springs, bound.loads, cases.V, extrapolate, **choice)
-    frame = _with_twist(_with_bounds(frame, cases, found, space), cases, answers, space)
+    left, at = _left_beyond(frame, typed(springs), cases, choice)
+    if cases.aside.any() or (left < 1.0).any():
+        loads = bound.loads / np.nan_to_num(left, nan=1.0)[:, None]
+        found = answer_loads(springs, loads, at, extrapolate, **choice)
+    frame = _with_twist(_with_bounds(frame, cases, found, space, left), cases, answers, space)
     return frame.assign(verdict=verdicts(frame))
 
 
@@ -177,10 +180,9 @@ def _marks(answers: xr.Dataset) -> list[str]:
 def _with_sets(
     frame: pd.DataFrame, springs: Typed, cases: LoadCases, extrapolate: bool, choice: dict[str, Any]
 ) -> pd.DataFrame:
-    """Return the answers with V of the nearest springs, and marks of V which differs by more than 10 % from all.
+    """Return the answers with V of the nearest springs, and marks of V between two that differs by more than 10 %.
 
-    Such a mark has the answers of the springs on both sides, or of the last two where V is beyond all: the first are
-    bounds where the answer is monotonic in V.
+    Such a mark has the answers of the springs on both sides, bounds where the answer is monotonic in V.
     """
     if not isinstance(springs, Springs) or choice.get("path") is not None or not springs.load_sets:
         return frame
@@ -188,10 +190,11 @@ def _with_sets(
     V = np.where(np.isnan(cases.V), springs.rest_load, cases.V)
     near = loads[nearest(V, loads)]
     out = frame.assign(V_springs_N=near)
-    far = np.flatnonzero(~close_loads(V, near) & cases.lateral & (frame["answered"] == 1) & (loads.size > 1))
+    between = (loads[0] < V) & (loads[-1] > V)
+    far = np.flatnonzero(~close_loads(V, near) & cases.lateral & (frame["answered"] == 1) & between)
     if not far.size:
         return out
-    above = np.clip(np.searchsorted(loads, V[far]), 1, loads.size - 1)
+    above = np.searchsorted(loads, V[far])
     sides = loads[above - 1], loads[above]
     names = ["answered", *(name for name, *_ in _AT_SETS)]
     answers = (answer_loads(springs, cases.loads[far], each, extrapolate, **choice)[names] for each in sides)
@@ -201,7 +204,7 @@ def _with_sets(
         known = [(at, each) for at, each in ends if each["answered"]]
         values = [f"{words} {' and '.join(number(scale * each[name], 3) for _, each in known)}{unit}"
                   for name, words, scale, unit in _AT_SETS]  # fmt: skip
-        texts = [out["marks"][row], "V between the springs, interpolated" * bool(loads[0] < V[row] < loads[-1])]
+        texts = [out["marks"][row], "V between the springs, interpolated"]
         texts += [f"at V {' and '.join(at for at, _ in known)} MN: {', '.join(values)}"] * bool(known)
         texts += [f"beyond the springs at {at} MN" for at, each in ends if not each["answered"]]
         out.loc[row, "marks"] = "; ".join(filter(None, texts))
@@ -213,20 +216,52 @@ _AT_SETS = (
 )  # fmt: skip
 
 
-def _with_bounds(frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset, space: NDArray[np.bool_]) -> pd.DataFrame:
-    """Return the answers with what cases aside of one plane and not in space (n,) leave out, and with their bounds."""
+def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: dict[str, Any]) -> tuple[Array, Array]:
+    """Return by case the share of loads at equal motion that V leaves at least, and V of the springs that it is of [N].
+
+    1 and V of the case, but for answered lateral loads whose V is beyond all springs by more than 10 %: where the load
+    at equal motion is concave in V and is not negative at the last V of the vertical path on that side, V_e, it is at
+    least (V - V_e)/(V_s - V_e) of that at V_s of the springs. NaN: V is not known to lie before such an end.
+    """
+    share, at = np.ones(len(cases)), cases.V.copy()
+    sets = springs.load_sets if isinstance(springs, Springs) and choice.get("path") is None else ()
+    if not sets:
+        return share, at
+    vertical = build_vertical(springs)
+    V = np.where(np.isnan(cases.V), springs.rest_load, cases.V)
+    own = np.clip(V, sets[0].V, sets[-1].V)
+    branches = () if vertical is None else vertical.branches
+    ends = {each.sign: each.sign * float((each.sign * each.r[-1]).max()) for each in branches}
+    for k in np.flatnonzero(~close_loads(V, own) & cases.lateral & (frame["answered"] == 1)):
+        end = ends.get(float(np.sign(V[k] - own[k])), np.nan)
+        known, at[k] = (V[k] - end) / (own[k] - end), own[k]
+        share[k] = known if 0.0 < known < 1.0 else np.nan
+    return share, at
+
+
+def _with_bounds(
+    frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset, space: NDArray[np.bool_], left: Array
+) -> pd.DataFrame:
+    """Return the answers with what cases aside of one plane and not in space (n,) leave out, and with their bounds.
+
+    Those of cases whose V is beyond the springs have the share of loads (n,) of `_left_beyond`.
+    """
     out, aside = frame.copy(), cases.aside
+    bounded = np.isfinite(left) & (aside | (left < 1.0))
     for column, load in (("across_Nm", cases.across), ("torsion_Nm", cases.torsion)):
         out[column] = np.where(load != 0.0, load, np.nan)
     for column, name in (("u_bound_m", "u"), ("rotation_bound_rad", "rotation"), ("utilisation_bound", "utilisation")):
-        out[column] = np.where(aside, np.abs(bounds[name].values), np.nan)
-    for k in np.flatnonzero(aside & ~space):
-        left = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}
-        texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in left.items() if load]
+        out[column] = np.where(bounded, np.abs(bounds[name].values), np.nan)
+    for k in np.flatnonzero((aside & ~space) | (left != 1.0)):
+        lost = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}
+        texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in lost.items() if load]
+        share = f"loads at equal motion at least {100.0 * left[k]:.0f} % of those of the springs"
+        texts += [share] if left[k] < 1.0 else [] if bounded[k] else ["no bound: no vertical path leads beyond V"]
         u, turn = 1e3 * out["u_bound_m"][k], degrees(out["rotation_bound_rad"][k])
         found = [] if bounds["why_not"].values[k] else [f"u {number(u)} mm", f"rotation {number(turn)} deg"]
         found += [f"utilisation {number(out['utilisation_bound'][k], 3)}"]
-        out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts, f"bound: {', '.join(found)}"]))
+        texts += [f"bound: {', '.join(found)}"] * bool(bounded[k])
+        out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts]))
     return out
 
 

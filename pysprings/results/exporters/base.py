@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.text import suggestion
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -206,7 +207,11 @@ def read_options(exporter: Exporter, given: Mapping[str, Any]) -> dict[str, Any]
     for name, value in given.items():
         if name not in known:
             there = f"its options: {', '.join(known)}" if known else "it has no options"
-            problems.append(Problem(key=f"--option {name}", message=f"no option of '{exporter.name}'; {there}"))
+            problems.append(
+                Problem(
+                    key=f"--option {name}", message=f"no option of '{exporter.name}'{suggestion(name, known)}; {there}"
+                )
+            )
             continue
         try:
             values[name] = _converted(known[name], value)
@@ -227,7 +232,7 @@ def _converted(option: Option, value: Any) -> Any:
         except QuantityError as error:
             raise ValueError(str(error)) from None
     if option.choices and value not in option.choices:
-        raise ValueError(f"'{value}' is not one of {', '.join(option.choices)}")
+        raise ValueError(f"'{value}' is not one of {', '.join(option.choices)}{suggestion(str(value), option.choices)}")
     if isinstance(value, str) and not isinstance(option.default, str | None):
         return _parsed(value, option.default)
     return value

@@ -41,7 +41,7 @@ PLACES = {
 }  # fmt: skip
 FAMILIES = ("py", "m", "tip", "lid")
 LEAST_CHANGE = 1e-3  # of the largest reaction of a curve: smaller corrections are not listed
-POINTS = 80  # of a curve: smooth curves and straight lines through them answer alike within 0.4 %
+POINTS = 80  # of a curve
 BETWEEN = "straight lines between the points; curves are odd, and end with their range: beyond it nothing was computed"
 FRAME = "depth down from mudline; y and H along the load; rotation and M positive where the caisson leans towards it"
 UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the slice they are a force and a moment"

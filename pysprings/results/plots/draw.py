@@ -14,6 +14,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from pysprings.core.errors import refused
 from pysprings.core.registry import Registry
+from pysprings.core.text import suggestion
 from pysprings.macro.spring_sets import SPRING_SETS, with_stored
 from pysprings.results.analysis.parts import path_data, path_names, pick_step, section_data
 from pysprings.results.exporters.base import Source
@@ -130,7 +131,8 @@ def _view(
 ) -> View:  # fmt: skip
     """Return what a picture may read; of the first path for which it applies where none is named."""
     if path is not None and path not in path_names(tree):
-        raise refused("path", f"no path '{path}'; there are: {', '.join(path_names(tree)) or 'none'}")
+        names = path_names(tree)
+        raise refused("path", f"no path '{path}'{suggestion(path, names)}; there are: {', '.join(names) or 'none'}")
     for view in _views(tree, picture, path):
         if picture.applies(view):
             return view if picture.scope == "run" else replace(view, step=pick_step(view.path, step, displacement))

@@ -168,7 +168,7 @@ NOTE = (
     "the springs reach no further, the capacity is larger. V used is V over the largest vertical load of the vertical "
     "springs. A case without an answer has no motion; its mark is the "
     "reason. A bound, for a moment across the plane of H and a torsion, has all of the moment in that plane and T over "
-    "the radius added to H. The twist is T over the torsional stiffness at rest, the least one, or that of springs in "
+    "the radius added to H; for a V beyond all springs it has loads that fall in proportion to the largest V. The twist is T over the torsional stiffness at rest, the least one, or that of springs in "
     "space; of these u and rotation are sizes of vectors, utilisation is that of H and M in the plane of H. Of a group "
     "a row is a caisson, and the tilt that counts is that of the rigid frame; its twist, bending of caissons "
     "across the plane of H and interaction through the soil are left out."

@@ -121,7 +121,8 @@ def build_curves(rows: pd.DataFrame, skirt_length: float | None, faults: Faults)
         depth, bounds, note = slices(parts["py"], skirt_length, faults)
         curves = [curve for family, part in parts.items() for curve in _curves(family, part, faults)]
         if not faults.problems:
-            sets[str(name) or "table"] = CurveSet(depth, bounds, _on_depths(curves, depth, parts, faults), note)
+            found = _on_depths(curves, depth, parts, faults)
+            sets[str(name) or "table"] = CurveSet(depth, bounds, found, note, bool(own["straight"].any()))
     faults.stop()
     return CurveSprings(str(rows["file"].iloc[0]), sets)
 

@@ -10,13 +10,14 @@ import pandas as pd
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, Faults, Sheet, Table, tables_of
 from pysprings.core.tables.headings import TEXT
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.results.exporters.tables import ENDS, PAIRS, PY_COLUMNS, parse
 from pysprings.springs.checks import name_fault
 
 NEEDED = ("depth_m", "y_m", "p_N_per_m")
 FAMILIES = ("py", "mtheta", "base", "lid", "tz")
-OF_BEAM = {"m": "mtheta", "tip": "base"}  # words of `springs --for beam`
+OF_BEAM = {"m": "mtheta", "tip": "base"}  # words of `springs --for beam`, whose curves are straight lines
 TEXTS = ("path", "family", "side", "component")
 COLUMNS = tuple(Column(name, TEXT) if name in TEXTS else Column.named(name) for name in PY_COLUMNS)
 # Sheets that are not read: words and pictures.
@@ -71,10 +72,16 @@ def _typed(table: Table, family: str | None) -> pd.DataFrame:
     data |= {name: table.texts(name) if name in TEXTS else table.numbers(name) for name in PY_COLUMNS}
     frame = pd.DataFrame(data)
     _check_names(frame, table.faults)
-    frame["family"] = frame["family"].where(frame["family"] != "", family or "py").replace(OF_BEAM)
+    words = frame["family"].where(frame["family"] != "", family or "py")
+    frame["straight"] = words.isin(OF_BEAM)
+    frame["family"] = words.replace(OF_BEAM)
     known = frame["family"].isin(FAMILIES)
     for other in frame[~known].itertuples(index=False):
-        table.faults.at(other, "family", f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}")
+        table.faults.at(
+            other,
+            "family",
+            f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}{suggestion(other.family, FAMILIES)}",
+        )
     return frame[known]
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.core.version import __version__
 from pysprings.scene.changes import Change
@@ -292,5 +293,8 @@ def open_atlas(source: str | os.PathLike[str]) -> Atlas:
     if str(source) in names:
         return read_atlas(SHIPPED / f"{source}{SUFFIX}")
     if not Path(source).exists() and Path(source).suffix != SUFFIX:
-        raise refused("--atlas", f"no atlas {quoted(str(source))}; there are: {', '.join(names) or 'none'}, or a file")
+        meant = suggestion(str(source), names)
+        raise refused(
+            "--atlas", f"no atlas {quoted(str(source))}{meant}; there are: {', '.join(names) or 'none'}, or a file"
+        )
     return read_atlas(Path(source))

@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import Problem, PyspringsError, UserInputError
 from pysprings.core.progress import Progress
+from pysprings.core.text import suggestion
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.compute import compute
@@ -114,8 +115,10 @@ def cases_named(names: Sequence[str]) -> list[Case]:
     unknown = [name for name in names if name not in known]
     if unknown:
         groups = ", ".join(dict.fromkeys(case.group for case in CASES))
-        text = f"no such case; there are {', '.join(case.name for case in CASES)}; and the groups {groups}, hard"
-        raise UserInputError([Problem(key=f"--case {name}", message=text) for name in unknown])
+        text = f"; there are {', '.join(case.name for case in CASES)}; and the groups {groups}, hard"
+        raise UserInputError(
+            [Problem(key=f"--case {name}", message=f"no such case{suggestion(name, known)}{text}") for name in unknown]
+        )
     requested = set(names)
     return [c for c in CASES if not requested or {c.name, c.group} & requested or (c.hard and "hard" in requested)]
 

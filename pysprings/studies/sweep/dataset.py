@@ -17,13 +17,13 @@ import xarray as xr
 
 from pysprings.core.errors import refused
 from pysprings.core.files.storage import replacing
+from pysprings.core.text import suggestion
 from pysprings.core.units import unit_of
 from pysprings.core.variables import DOFS
 from pysprings.core.version import __version__
 from pysprings.core.words import ESTIMATES
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.sheets import write_sheet
-from pysprings.scene.fields import suggestion
 from pysprings.studies.sweep import measures
 from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
 from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, split

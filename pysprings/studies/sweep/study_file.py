@@ -29,8 +29,9 @@ from pydantic import Field as Named
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.text import suggestion
 from pysprings.core.units import QuantityError, quoted, unit_of
-from pysprings.scene.fields import Choice, Count, Text, suggestion
+from pysprings.scene.fields import Choice, Count, Text
 from pysprings.scene.load import SceneText, read_text, toml_of
 from pysprings.scene.positions import KeyPath, nearest
 from pysprings.scene.sections import Section

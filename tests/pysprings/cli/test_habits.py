@@ -133,3 +133,31 @@ def test_pictures_by_word_flag_and_format(tmp_path: Path) -> None:
     assert RunOptions(figures="all", format="png,svg").command(file, out) == (
         f"pysprings run {file} --out {out} --figures all --figure-format png,svg --resume"
     )
+
+
+MISSPELT = {  # command (of the files below) -> the name that is meant
+    "run scene.toml --mesh corse": "coarse",
+    "init x.toml --template sofclay": "soft-clay",
+    "run scene.toml --set mesh.prest=coarse": "preset",
+    "check scene.toml --set mesh.preset=corse": "coarse",
+    "run scene.toml --set path.pul.arm=5m": "pull",
+    "element scene.toml --test triaxal": "triaxial",
+    "stability --case papr": "paper",
+    "springs fan.nc --format xslx": "xlsx",
+    "export fan.nc --to openfst": "openfast",
+    "export fan.nc --to openfast --option matrx=tangent": "matrix",
+    "export fan.nc --to openfast --option matrix=tangnt": "tangent",
+    "predict fan.nc --springs fann --H 1kN": "fan",
+    "predict fan.nc --H 1kNN": "kN",
+    "compare fan.nc --springs fna": "fan",
+    "predict --atlas clya --H 1MN": "clay",
+}
+
+
+@pytest.mark.parametrize("line", MISSPELT, ids=MISSPELT.keys())
+def test_a_misspelt_name_is_refused_with_the_one_that_is_near(line: str, scene_file: Path, tmp_path: Path) -> None:
+    save_springs(fan_springs(potential), tmp_path / "fan.nc")
+    places = {"scene.toml": scene_file, "fan.nc": tmp_path / "fan.nc", "x.toml": tmp_path / "x.toml"}
+    done = command(*(places.get(word, word) for word in line.split()))
+    said = " ".join(re.sub("[│╭╰─]", " ", done.err).split())
+    assert (done.code, re.findall(r"did you mean ['\"](.*?)['\"]\?", said)) == (2, [MISSPELT[line]]), said

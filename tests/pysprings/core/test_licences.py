@@ -53,6 +53,27 @@ def test_version_prints_itself_first_and_then_the_licences() -> None:
     assert "\n".join(rest) == text(installed())
 
 
+def extra(name: str) -> set[str]:
+    """Return the packages of an extra, with those of the extras of this package that it names."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    found = set[str]()
+    for line in project["optional-dependencies"][name]:
+        own = re.fullmatch(r"pysprings\[(.*)\]", line)
+        found |= set().union(*map(extra, own[1].split(","))) if own else {re.split(r"[^\w-]", line)[0].lower()}
+    return found
+
+
+def test_development_brings_open_packages_alone_and_ci_the_others_first() -> None:
+    closed = {"pypardiso", "openseespy"}
+    assert extra("mkl") | extra("opensees") == closed
+    assert {"pytest", "dash", "scikit-learn"} < extra("dev")
+    assert not extra("dev") & closed
+    steps = re.findall(r"^make (\w+)", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+    assert steps[:2] == ["extras", "test"]
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8").split("\nextras:")[1].split("\n\n")[0]
+    assert '".[dev,mkl,opensees]"' in recipe
+
+
 def test_the_notes_name_every_dependency() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     names = [re.match(r"[A-Za-z0-9_.-]+", line)[0] for line in project["dependencies"]]  # type: ignore[index]

@@ -25,7 +25,7 @@ from tests.support import tiny
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import TORSION
-from tests.support.vertical import vertical_springs
+from tests.support.vertical import REST, down_curve, vertical_springs
 
 LINES = (
     "name,limit state,H [kN],arm [m],tilt [deg]",
@@ -75,8 +75,12 @@ def test_what_is_beyond_the_springs_has_no_motion(springs, cases: Path) -> None:
     assert huge["H_capacity_N"] == pytest.approx(1e9 / huge["utilisation"])
 
 
-def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_with_both_sides(tmp_path: Path) -> None:
-    """2 and 6 MN: 2.1 has springs, 4 lies between, 8 beyond; each side's answer is that of `predict` there."""
+def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_with_a_bound(tmp_path: Path) -> None:
+    """2 and 6 MN: 2.1 has springs, 4 lies between, 8 beyond; each side's answer is that of `predict` there.
+
+    Beyond, the load at equal motion is at least its chord in V from the springs at 6 MN to the end of the path down:
+    the bound is the answer to the load over that share.
+    """
     tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
     rows = "".join(f"at {V},100,2,{V}\n" for V in (2.1, 4, 8))
     file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
@@ -89,8 +93,30 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     words = f"at V 2 and 6 MN: u {sides[0]:.3g} and {sides[1]:.3g} mm, rotation "
     assert "at V" not in table["marks"]["at 2.1"]
     assert f"V between the springs, interpolated; {words}" in table["marks"]["at 4"]
-    assert f"V not covered by the lateral springs; {words}" in table["marks"]["at 8"].replace("; off", "")
+    end = REST + float(down_curve(np.array(1e-2)))
+    share = (8e6 - end) / (6e6 - end)
+    assert 0.1 < share < 0.95
+    with pytest.warns(UserWarning):
+        most = predict(tree, H=1e5 / share, arm=2.0, V=6e6)
+    beyond = table.loc["at 8"]
+    assert beyond["u_bound_m"] == pytest.approx(float(most["u"]), rel=1e-6) and beyond["u_bound_m"] > beyond["u_m"]
+    assert beyond["rotation_bound_rad"] == pytest.approx(float(most["rotation"]), rel=1e-6)
+    assert beyond["utilisation_bound"] == pytest.approx(float(most["utilisation"]), rel=1e-6)
+    words = f"loads at equal motion at least {100 * share:.0f} % of those of the springs; bound: u "
+    assert words in beyond["marks"] and table["u_bound_m"].notna().tolist() == [False, False, True]
     assert set(table["verdict"]) == {"supported in part"}
+
+
+def test_a_v_beyond_springs_at_one_v_has_a_bound_where_a_vertical_path_leads_beyond_it(tmp_path: Path) -> None:
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],V [MN]\nless,100,2,1\nmore,100,2,3\nthere,100,2,2\n", encoding="utf-8")
+    table = answer_cases(vertical_springs(ends=(-1e-2,)), read_load_cases(file), extrapolate=True).set_index("name")
+    pull = REST + float(down_curve(np.array(-1e-2)))
+    share = (1e6 - pull) / (REST - pull)
+    assert f"at least {100 * share:.0f} % of those" in table["marks"]["less"]
+    assert table["utilisation_bound"]["less"] == pytest.approx(table["utilisation"]["less"] / share, rel=1e-6)
+    assert table["marks"]["more"].endswith("no bound: no vertical path leads beyond V")
+    assert np.isnan(table["u_bound_m"]["more"]) and "bound" not in table["marks"]["there"]
 
 
 def test_a_side_without_an_answer_is_named_and_v_alone_needs_no_lateral_springs(tmp_path: Path) -> None:

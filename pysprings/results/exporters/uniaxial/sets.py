@@ -104,7 +104,6 @@ def _row(angle: float, weights: Array, reach: float, length: float) -> Row:
 
 PLANES = 8  # of virtual springs
 ROUNDING = 1e-6  # u over that of the rotation: less is no displacement
-CORNER = 1e-7  # share of a segment over which the straight lines of a table are joined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -269,36 +268,15 @@ def tables(made: Uniaxial, points: int) -> list[Table]:
 
 
 def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
-    """Return the model on the straight lines of tables (corners rounded over 1e-7 of a segment)."""
-    lateral = [each for each in given if each.spring.odd]
-    knots = [_lines(each) for each in lateral]
-    count = np.array([q.size for q, _, _ in knots], dtype=np.int64)
-    q = np.full((len(knots), int(count.max())), np.inf)
-    r, slope = np.zeros_like(q), np.zeros_like(q)
-    for j, (x, y, s) in enumerate(knots):
-        q[j, : x.size], r[j, : x.size], slope[j, : x.size] = x, y, s
-    sideways = np.array([each.spring.direction == "lateral" for each in lateral])
-    depth = np.array([each.spring.depth for each in lateral])
-    a = np.where(sideways[:, None], np.stack([np.ones(depth.size), -depth], axis=1), [0.0, 1.0])
-    names = [each.spring.name for each in lateral]
-    carriers = ["y" if each else "rotation" for each in sideways]
-    whole = np.ones(count.size, dtype=bool)
-    rows = SpringTable(names, depth, carriers, a, a, q, r, slope, count, whole, ~whole)
-    return made.model.on_rows(together(rows, made.planes))
-
-
-def _lines(given: Table) -> tuple[Array, Array, Array]:
-    """Return knots, reactions and slopes of the straight lines for q >= 0."""
-    q, f = given.within()
-    q, f = q[q >= 0.0], f[q >= 0.0]
-    slopes = np.diff(f) / np.diff(q)
-    gap = CORNER * np.minimum(np.diff(q)[:-1], np.diff(q)[1:])
-    x, y, s = [q[0]], [f[0]], [slopes[0]]
-    for k, e in enumerate(gap):
-        x += [q[k + 1] - e, q[k + 1] + e]
-        y += [f[k + 1] - e * slopes[k], f[k + 1] + e * slopes[k + 1]]
-        s += [slopes[k], slopes[k + 1]]
-    return np.array([*x, q[-1]]), np.array([*y, f[-1]]), np.array([*s, slopes[-1]])
+    """Return the model on the straight lines of tables (`straight_lines`)."""
+    rows = []
+    for each in given:
+        if each.spring.odd:
+            lateral, depth = each.spring.direction == "lateral", each.spring.depth
+            a = (1.0, -depth) if lateral else (0.0, 1.0)
+            q, f = (values[each.within()[0] >= 0.0] for values in each.within())
+            rows.append(Row(each.spring.name, depth, "y" if lateral else "rotation", a, a, q, f))
+    return made.model.on_rows(together(stack(rows, straight=True), made.planes))
 
 
 def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
