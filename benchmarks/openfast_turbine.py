@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """OpenFAST's NREL 5 MW turbine on one bucket: its monopile ends at mudline, on springs of pysprings; 60 s of operation.
 
-    python -m benchmarks.openfast_turbine SPRINGS DIR --rtest FOLDER [--openfast PROGRAM]
+    python -m benchmarks.openfast_turbine SPRINGS DIR --rtest FOLDER [--openfast PROGRAM] [--waves DEG]
 
 FOLDER is the user's copy of OpenFAST's regression tests (`r-test`), of the version of PROGRAM (5.x); DIR gets copies of
 their files, changed where the foundation asks for it. SPRINGS has a fan of load paths (template `monobucket`). Models:
 clamped at mudline, the matrix of the bucket at rest, its secant at the mean load of the clamped turbine, the nonlinear
 springs, and those with memory where SPRINGS has them. Each runs twice: in operation (wind and waves of the test), and
-released from a bent tower with a parked rotor in still air and water, for the first frequency.
+released from a bent tower with a parked rotor in still air and water, for the first frequency. `--waves 60` turns the
+waves by 60 degrees from the wind.
 
 Without the turbulent wind file (`turbsim 90m_12mps_twr.inp` makes it) the wind is steady, 12 m/s. The controller is
 compiled with gfortran unless its library is there. A mass at the lid gives the ground the vertical load of the springs.
@@ -22,25 +23,31 @@ import time
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.openfast_tower import foundations, run
 from pysprings import impose, model_of, open_springs, predict
 from pysprings.core.errors import BeyondSprings, Problem, ResourceError, RunIncomplete, UserInputError, refused
 from pysprings.macro.answer import MacroWarning, PredictionNotConverged
 from pysprings.macro.model import MacroModel
+from pysprings.memory.build import has_memory
+from pysprings.results.exporters import Source, export
+from pysprings.results.exporters.soildyn.library import build
+from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 Channels = dict[str, Array]
 CASE, COMMON = "5MW_OC3Mnpl_DLL_WTurb_WavesIrr", "5MW_Baseline"  # folders of r-test/glue-codes/openfast
 START, BENT = 20.0, 0.5  # s of the run that results leave out, m of the tower top when it is released
-BALANCE = 0.05  # most that the mean reaction may be off, of the largest H and of the mean M of the clamped turbine
+BALANCE = 0.05  # most that mean reactions may be off, of the largest H and of the mean M of the clamped turbine
 SIGHTS = {
     "towertop": "tower at 86 m [m]",
     "H": "H at mudline [MN]",
     "M": "M at mudline [MN m]",
+    "Mx": "side to side [MN m]",
     "rotation": "lid [deg]",
 }
 COLOURS = ("#000000", "#0072B2", "#56B4E9", "#D55E00", "#009E73")
@@ -143,7 +150,7 @@ def base(case: Path) -> tuple[str, float, float, float]:
     return number, x, y, z
 
 
-def write(case: Path, name: str, soil: str, inertia: Sequence[float]) -> None:
+def write(case: Path, name: str, soil: str, inertia: Sequence[float], waves: float = 0.0) -> None:
     """Write NAME.fst and NAME_free.fst: in operation, and released. Without a file of SoilDyn it is clamped.
 
     inertia: mass of the bucket [kg], its inertia about x and y, and about z [kg m2]. Without the latter SubDyn 5.0.0
@@ -152,7 +159,8 @@ def write(case: Path, name: str, soil: str, inertia: Sequence[float]) -> None:
     main = case / f"{CASE}.fst"
     sub, elastic, sea = (case / value(main, key) for key in ("SubFile", "EDFile", "SeaStFile"))
     values: dict[str, object] = {"OutFileFmt": 1, "OutFmt": '"ES15.7E2"', "SttsTime": 10, "RhoInf": 0.8}
-    values |= {"MaxConvIter": 20, "HydroFile": '"fixed_HydroDyn.dat"'}
+    values |= {"MaxConvIter": 20, "HydroFile": '"fixed_HydroDyn.dat"', "SeaStFile": '"turned_SeaState.dat"'}
+    (case / "turned_SeaState.dat").write_text(edit(sea, {"WaveDir": waves}))
     (case / "fixed_HydroDyn.dat").write_text(without_added_mass(case / value(main, "HydroFile")))
     if soil:
         number = base(case)[0]
@@ -168,6 +176,52 @@ def write(case: Path, name: str, soil: str, inertia: Sequence[float]) -> None:
     (case / "free_SeaState.dat").write_text(edit(sea, {"WaveMod": 0}))
     off = dict.fromkeys(("CompInflow", "CompAero", "CompServo"), 0)
     (case / f"{name}_free.fst").write_text(edit(main, values | still | off))
+
+
+def foundations(springs: str, folder: Path, at: str = "", **options: Any) -> dict[str, str]:
+    """Write the files of SoilDyn and the library; return model -> file: matrix at rest, at a load, fan, memory."""
+    source, files = Source(open_springs(springs)), dict[str, str]()
+    if at:
+        with TemporaryDirectory() as other:
+            export(source, "openfast", other, at=at, **options)
+            files["matrix at load"] = "soildyn_at_load.dat"
+            shutil.copy(Path(other) / "soildyn.dat", folder / files["matrix at load"])
+    for kind in ("fan", "memory") if has_memory(Springs.of(source.springs)) else ("fan",):
+        export(source, "openfast", folder, springs=kind, **options)
+        files[kind] = f"soildyn_{kind}.dat"
+        (folder / "caisson.txt").replace(folder / f"{kind}.txt")
+        text = (folder / "soildyn_nonlinear.dat").read_text()
+        (folder / files[kind]).write_text(text.replace("./caisson.txt", f"./{kind}.txt"))
+    build(folder)
+    return files | {"matrix": "soildyn.dat"}
+
+
+def run(program: str, folder: Path, name: str) -> dict[str, np.ndarray]:
+    """Run OpenFAST on NAME.fst, with its log in NAME.log; return the channels.
+
+    Raises
+    ------
+    RunIncomplete
+        OpenFAST stops (the message has the end of the log), or goes on from steps that did not converge.
+    """
+    log = folder / f"{name}.log"
+    with log.open("w") as out:
+        done = subprocess.run([program, f"{name}.fst"], cwd=folder, stdout=out, stderr=out, check=False)
+    text = log.read_text(errors="replace")
+    if done.returncode:
+        last = [line.strip() for line in text.splitlines() if line.strip()][-6:]
+        raise RunIncomplete(f"{log}: OpenFAST stopped with {done.returncode}: {' | '.join(last)}")
+    if count := text.count("Failed to converge"):
+        raise RunIncomplete(f"{log}: {count} steps did not converge")
+    return read(folder / f"{name}.out")
+
+
+def read(file: Path) -> dict[str, np.ndarray]:
+    """Return the channels of an output file of OpenFAST."""
+    lines = file.read_text().splitlines()
+    first = next(k for k, line in enumerate(lines) if line.split()[:1] == ["Time"])
+    rows = np.array([[float(cell) for cell in line.split()] for line in lines[first + 2 :] if line.strip()])
+    return dict(zip(lines[first].split(), rows.T, strict=True))
 
 
 def mudline(channels: Channels) -> Channels:
@@ -217,7 +271,8 @@ def summary(springs: MacroModel, name: str, found: Channels, free: Channels, sec
     rows = {}
     for key, words, unit, digits in (
         ("towertop", "tower at 86 m [m]", 1.0, 3), ("H", "H at mudline [MN]", 1e-6, 2),
-        ("M", "M at mudline [MN m]", 1e-6, 1), ("Mx", "M side to side [MN m]", 1e-6, 1),
+        ("M", "M at mudline [MN m]", 1e-6, 1), ("Hy", "H side to side [MN]", 1e-6, 2),
+        ("Mx", "M side to side [MN m]", 1e-6, 1),
         ("u", "u of the lid [mm]", 1e3, 2), ("rotation", "rotation of the lid [deg]", 180.0 / np.pi, 4),
     ):  # fmt: skip
         series = unit * found[key][late]
@@ -258,13 +313,14 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--rtest", type=Path, required=True)
     parser.add_argument("--openfast", default=shutil.which("openfast"), required=shutil.which("openfast") is None)
+    parser.add_argument("--waves", type=float, default=0.0)
     given = parser.parse_args()
     case = copied(given.rtest, given.folder)
     springs = model_of(open_springs(given.springs))
     found, answers = dict[str, Channels](), dict[str, dict[str, str]]()
 
     def operate(name: str, soil: str = "", inertia: Sequence[float] = ()) -> None:
-        write(case, name, soil, inertia)
+        write(case, name, soil, inertia, given.waves)
         start = time.perf_counter()
         found[name] = mudline(run(given.openfast, case, name))
         seconds = time.perf_counter() - start
@@ -291,7 +347,8 @@ def main() -> None:
     for name, soil in foundations(given.springs, case, f"H={H} N, M={M} N m", **place).items():
         operate(name.replace(" ", "_"), soil, (mass, mass * (radius**2 / 2 + springs.length**2 / 3), mass * radius**2))
         last, first = list(found.values())[-1], found["clamped"]
-        for key, size in (("H", np.abs(first["H"]).max()), ("M", abs(M))):
+        largest = np.abs([first["H"], first["Hy"]]).max()
+        for key, size in (("H", largest), ("Hy", largest), ("M", abs(M)), ("Mx", abs(M))):
             error = abs(last[key][late].mean() - first[key][late].mean()) / size
             if error > BALANCE:
                 raise RunIncomplete(

@@ -13,6 +13,7 @@ from .macro.space import sequence_in_space as sequence_in_space
 from .macro.stiffness import stiffness as stiffness
 from .macro.stiffness import stiffness_six as stiffness_six
 from .results import plots as plots
+from .results.exporters.beam import beam as beam
 from .results.layout import open_result as open_result
 from .results.tables import open_table as open_table
 from .scene.load import load_scene as load_scene

@@ -48,7 +48,7 @@ def size(
 
     The atlas answers, at the V of each case; its rotation counts with 1.96 standard deviations. The thickness of the
     skirt is the share of the diameter that the atlas has. With --confirm the full model pulls the result to every
-    load case, on the mesh of the atlas: that confirms the atlas, not its mesh.
+    load case, on the mesh of the atlas extrapolated, and states its own estimate of what that leaves in the rotation.
     """
     from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
@@ -106,7 +106,9 @@ def _remarks(search: Search, best: Candidate, confirmed: bool) -> list[str]:
         texts.append(f"{search.atlas.source}: {mesh}")
     if confirmed:
         preset = search.atlas.base.mesh.preset
-        texts.append(f"the full model on mesh '{preset}', that of the atlas, confirms the atlas, not its mesh")
+        texts.append(
+            f"the full model is on mesh '{preset}', that of the atlas; rotation_mesh_error_pct is its own estimate"
+        )
     return texts
 
 
@@ -130,7 +132,14 @@ _CONFIRMED = (
     Column("name", "name", words=True),
     *(
         Column(name, name, ".3g")
-        for name in ("tilt_used", "u_error_pct", "u_deviation_pct", "rotation_error_pct", "rotation_deviation_pct")
+        for name in (
+            "tilt_used",
+            "u_error_pct",
+            "u_deviation_pct",
+            "rotation_error_pct",
+            "rotation_deviation_pct",
+            "rotation_mesh_error_pct",
+        )
     ),
     Column("inside", "inside"),
 )

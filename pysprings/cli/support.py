@@ -152,10 +152,10 @@ class Once(TyperCommand):
                 WRONG.append(Problem(key=names[0], message="is given twice: one value is needed"))
         try:
             left = [] if WRONG else super().parse_args(ctx, args)
-        except typer.BadParameter as error:  # 'x' is not one of 'a', 'b'
-            error.message = error.message.removeprefix("Value error, ")
-            word, *known = re.findall(r"'([^']*)'", error.message) or [""]
-            error.message += suggestion(word, known)
+        except typer.BadParameter as wrong:  # 'x' is not one of 'a', 'b'
+            wrong.message = wrong.message.removeprefix("Value error, ")
+            word, *known = re.findall(r"'([^']*)'", wrong.message) or [""]
+            wrong.message += suggestion(word, known)
             raise
         if WRONG:
             error = UserInputError(WRONG)

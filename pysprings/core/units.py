@@ -59,11 +59,14 @@ Dimension = tuple[tuple[str, float], ...]
 _METRE: Dimension = (("meter", 1.0),)
 _NEWTON: Dimension = (("kilogram", 1.0), ("meter", 1.0), ("second", -2.0))
 _RADIAN: Dimension = (("radian", 1.0),)
-# What a command line is written in: pint takes 0.3 s to load, and gives the same values (a test compares them).
+_PASCAL: Dimension = (("kilogram", 1.0), ("meter", -1.0), ("second", -2.0))
+# What command lines and scenes are written in: pint takes 0.3 s, and gives the same values (a test compares them).
 COMMON: dict[str, tuple[float, Dimension]] = {
     "m": (1.0, _METRE), "cm": (1e-2, _METRE), "mm": (1e-3, _METRE),
     "N": (1.0, _NEWTON), "kN": (1e3, _NEWTON), "MN": (1e6, _NEWTON),
-    "rad": (1.0, _RADIAN), "mrad": (1e-3, _RADIAN),
+    "rad": (1.0, _RADIAN), "mrad": (1e-3, _RADIAN), "deg": (0.017453292519943295, _RADIAN),
+    "Pa": (1.0, _PASCAL), "kPa": (1e3, _PASCAL), "MPa": (1e6, _PASCAL), "GPa": (1e9, _PASCAL),
+    "s": (1.0, (("second", 1.0),)), "kg": (1.0, (("kilogram", 1.0),)),
 }  # fmt: skip
 
 # units of the field that pint does not have: the force, and the power of the foot below it

@@ -6,7 +6,7 @@ Registered with the first use of a name of `pysprings`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,12 @@ class Accessor:
         from pysprings.springs.extract import extract_springs
 
         return Springs.of(extract_springs(self._tree) if is_result(self._tree) else self._tree)
+
+    def beam(self, depths: Sequence[float] | None = None, **options: Any) -> xr.Dataset:
+        """Return one set of curves for beam programs at depths [m], see `pysprings.beam`."""
+        from pysprings.results.exporters.beam import beam
+
+        return beam(self.springs, depths, **options)
 
     @property
     def plot(self) -> Pictures:

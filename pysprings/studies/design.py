@@ -106,8 +106,8 @@ def answer_cases(
     bound, found = cases.bounded(None if D is None else 0.5 * float(D)), answers
     left, at = _left_beyond(frame, typed(springs), cases, choice)
     if cases.aside.any() or (left < 1.0).any():
-        loads = bound.loads / np.nan_to_num(left, nan=1.0)[:, None]
-        found = answer_loads(springs, loads, at, extrapolate, **choice)
+        of_bound = bound.loads / np.nan_to_num(left, nan=1.0)[:, None]
+        found = answer_loads(springs, of_bound, at, extrapolate, **choice)
     frame = _with_twist(_with_bounds(frame, cases, found, space, left), cases, answers, space)
     return frame.assign(verdict=verdicts(frame))
 
@@ -224,10 +224,9 @@ def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: 
     least (V - V_e)/(V_s - V_e) of that at V_s of the springs. NaN: V is not known to lie before such an end.
     """
     share, at = np.ones(len(cases)), cases.V.copy()
-    sets = springs.load_sets if isinstance(springs, Springs) and choice.get("path") is None else ()
-    if not sets:
+    if not isinstance(springs, Springs) or choice.get("path") is not None or not springs.load_sets:
         return share, at
-    vertical = build_vertical(springs)
+    sets, vertical = springs.load_sets, build_vertical(springs)
     V = np.where(np.isnan(cases.V), springs.rest_load, cases.V)
     own = np.clip(V, sets[0].V, sets[-1].V)
     branches = () if vertical is None else vertical.branches

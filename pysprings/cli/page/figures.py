@@ -12,8 +12,20 @@ from pysprings.cli.page.answers import Answer, load_of, profiles
 from pysprings.core.vertical_loads import close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.fan_springs import BAND
-from pysprings.results.plots.load_cases import MARKS, OTHER
-from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, KN, MM, MN, PURPLE, SKY, VERMILLION
+from pysprings.results.look import (
+    BLUE,
+    CASE_MARKS,
+    GREEN,
+    GREY,
+    INK,
+    KN,
+    MM,
+    MN,
+    OTHER_CASE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -126,7 +138,9 @@ def envelope(answer: Answer) -> Figure:
         near = close_loads(answer.cases["V_N"].fillna(V).to_numpy(float), V)
         others = not bool(near.all())
         for row, close in zip(answer.cases.to_dict("records"), near, strict=True):
-            colour, symbol = (MARKS.get(row["verdict"], OTHER)[1], "square") if close else (GREY, "square-open")
+            colour, symbol = (
+                (CASE_MARKS.get(row["verdict"], OTHER_CASE)[1], "square") if close else (GREY, "square-open")
+            )
             loads.append((row["name"], row["H_N"], row["M_Nm"], colour, symbol))
     for k, (name, force, moment, colour, symbol) in enumerate(loads):
         texts = [name] if len(loads) <= MOST_NAMES else None

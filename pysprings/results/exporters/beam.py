@@ -12,16 +12,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import HELD_BACK
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, write_text_file
+from pysprings.results.exporters.base import (
+    Exported,
+    Exporter,
+    Option,
+    Options,
+    Source,
+    Target,
+    read_options,
+    write_text_file,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
+    import xarray as xr
     from numpy.typing import NDArray
 
     from pysprings.macro.curve_table import Row
@@ -251,3 +261,43 @@ BEAM = Exporter(
         Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
     ),
 )
+
+
+def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, **options: Any) -> xr.Dataset:
+    """Return one set of curves for beam programs, the table of `pysprings springs --for beam` as arrays in SI.
+
+    Parameters
+    ----------
+    springs : a fan, with a pure translation and a pure rotation.
+    depths : of the curves [m], two or more on the skirt, downwards; None: those of all tables.
+    options : points of a curve (80), V [N] and rate [m/s] of springs at several.
+
+    Returns
+    -------
+    Dataset with `y` [m] and `p` [N/m] (depth, point), `rotation` [rad] and `m` [N m/m] (depth, point), and of tip and
+    lid `y_tip`, `H_tip` [N], `rotation_tip`, `M_tip` [N m] ... (point): p is positive against y, m against rotation,
+    curves are straight lines between their points and odd, NaN behind the last one. `depth_top` and `depth_bottom` [m]
+    bound the slices. ``attrs["remarks"]`` are the lines above the table, its errors first.
+
+    Raises UserInputError: depths or options that do not fit, springs without both paths.
+    """
+    import numpy as np
+    import xarray as xr
+
+    from pysprings.springs.springs import Springs
+
+    tree = springs.tree if isinstance(springs, Springs) else springs
+    given = "" if depths is None else ", ".join(f"{depth:.12g} m" for depth in depths)
+    head, frame = beam_tables(Source(tree), read_options(BEAM, {"depths": given} | options))
+    size = int(options.get("points", POINTS))
+    data: dict[str, Any] = {}
+    for name, (family, moves, reacts) in PLACES.items():
+        place = name.partition("_")[2]
+        own = frame[frame["family"] == family].dropna(subset=[moves, reacts])
+        parts = [part for _, part in own.groupby("depth_m")]
+        for column, quantity in ((moves, moves.partition("_")[0] + (f"_{place}" if place else "")), (reacts, name)):
+            rows = [np.pad(part[column], (0, size - len(part)), constant_values=np.nan) for part in parts]
+            data[quantity] = ("point", rows[0]) if place else (("depth", "point"), np.array(rows))
+    slices = frame[frame["family"] == "py"].drop_duplicates("depth_m").sort_values("depth_m")
+    coords = {name: ("depth", slices[f"{name}_m"].to_numpy()) for name in ("depth", "depth_top", "depth_bottom")}
+    return xr.Dataset(data, coords, {"remarks": head})

@@ -13,6 +13,7 @@ from pysprings.core.vertical_loads import CLOSE_LOAD, close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.vertical_answer import largest_vertical
+from pysprings.results.look import CASE_MARKS, OTHER_CASE
 from pysprings.results.plots import style
 from pysprings.springs.springs import Springs
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MARKS = {"ok": ("s", style.GREEN), "supported in part": ("D", style.ORANGE), "no answer": ("P", style.PURPLE)}
-OTHER = ("X", style.VERMILLION)  # overloaded, tilt exceeded
 MOST_NAMED = 12  # cases with their names: those of the largest utilisation
 
 
@@ -44,7 +43,7 @@ def load_cases(table: pd.DataFrame, springs: AnySprings | None) -> Figure:
         _springs(axes, springs)
     _capacities(axes, shown)
     for verdict, part in shown.groupby("verdict"):
-        mark, colour = MARKS.get(str(verdict), OTHER)
+        mark, colour = CASE_MARKS.get(str(verdict), OTHER_CASE)
         look: Any = {"color": colour, "markersize": 7, "linestyle": "none", "zorder": 4}
         axes.plot(style.MN * part["V_N"], style.MN * part["H_N"].abs(), mark, label=f"load case, {verdict}", **look)
     named = shown.sort_values("utilisation").drop_duplicates("name").tail(MOST_NAMED).sort_values("V_N")

@@ -16,14 +16,24 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import ArrayLike, NDArray
 
+from pysprings.results.look import BLUE as BLUE
+from pysprings.results.look import GREEN as GREEN
+from pysprings.results.look import GREY as GREY
+from pysprings.results.look import INK as INK
+from pysprings.results.look import KN as KN
+from pysprings.results.look import KPA as KPA
+from pysprings.results.look import MM as MM
+from pysprings.results.look import MN as MN
+from pysprings.results.look import MRAD as MRAD
+from pysprings.results.look import ORANGE as ORANGE
+from pysprings.results.look import PALE as PALE
+from pysprings.results.look import PURPLE as PURPLE
+from pysprings.results.look import SKY as SKY
+from pysprings.results.look import VERMILLION as VERMILLION
+
 NOTEBOOK_DPI = 80
-KN, MN, KPA, MM, MRAD = 1e-3, 1e-6, 1e-3, 1e3, 1e3  # from N, N, Pa, m, rad
 DEG = 180 / np.pi
 
-# Okabe & Ito (2008), safe for colour-blind readers. One colour has one meaning in all figures.
-INK, GREY, PALE = "#1a1a1a", "#7a7a7a", "#e6e6e6"
-BLUE, VERMILLION, GREEN = "#0072B2", "#D55E00", "#009E73"
-PURPLE, ORANGE, SKY = "#CC79A7", "#E69F00", "#56B4E9"
 SURFACE_COLOURS = {"outer": BLUE, "inner": ORANGE, "lid": GREEN, "tip": PURPLE}
 SIDE_COLOURS = {"outside": BLUE, "inside": ORANGE}
 STEEL, SOIL = "#4a4a4a", "#f5efe1"

@@ -80,7 +80,7 @@ def _typed(table: Table, family: str | None) -> pd.DataFrame:
         table.faults.at(
             other,
             "family",
-            f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}{suggestion(other.family, FAMILIES)}",
+            f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}{suggestion(str(other.family), FAMILIES)}",
         )
     return frame[known]
 

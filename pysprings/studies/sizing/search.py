@@ -17,10 +17,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete, refused
-from pysprings.full_model.run_record import Status
+from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.fan_springs import BAND
-from pysprings.results.plots.style import BLUE, GREY, VERMILLION, new_figure, styled
+from pysprings.results.look import BLUE, GREY, VERMILLION
 from pysprings.scene.changes import Change, vertical_load
 from pysprings.springs.path import paths_of
 
@@ -235,9 +235,16 @@ def table_of(tried: Sequence[Candidate]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-@styled
 def candidates(table: pd.DataFrame, best: pd.Series) -> Figure:
     """Draw every caisson that was tried, its steel in tonnes as the size of the dot, and the best one."""
+    from pysprings.results.plots.style import styled
+
+    return styled(_candidates)(table, best)
+
+
+def _candidates(table: pd.DataFrame, best: pd.Series) -> Figure:
+    from pysprings.results.plots.style import new_figure
+
     figure = new_figure(6.4, 4.6)
     axes = figure.subplots()
     for met, colour, label in ((True, BLUE, "meets the load cases"), (False, GREY, "does not")):
@@ -282,7 +289,8 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     """Return the load cases by atlas and full model, a row a case with H; runs the full model.
 
     Columns: name, H_N, arm_m, u and rotation by both [m, rad], errors of the atlas [%], their deviations [%], inside
-    (both errors within 1.96 deviations), tilt_used by the full model. NaN where the full model stopped before the load.
+    (both errors within 1.96 deviations), tilt_used by the full model, rotation_mesh_error_pct: the full model's own
+    estimate of the error of its mesh. NaN where the full model stopped before the load, or has no estimate.
     """
     from pysprings.full_model.compute import run
 
@@ -306,7 +314,8 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
         result = run(scene.replace(paths=tuple(paths)))
     if result.attrs["status"] == Status.INTERRUPTED:
         raise KeyboardInterrupt
-    rows = []
+    record, rows = RunRecord.of(result), []
+    estimates = (record.error_estimate or {}).get("by_path", {}) if record is not None else {}
     for k in chosen:
         path = paths_of(result)[f"case_{k + 1}"].recorded
         good = path["converged"].values == 1
@@ -314,7 +323,9 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
         load = abs(float(cases.H[k]))
         known = bool(load <= H.max(initial=0.0))  # no state where the dead load itself stopped
         full = [float(np.interp(load, H, values)) if known else np.nan for values in (u, turn)]
-        rows.append(_row(k, wanted, expected, full))
+        mesh = estimates.get(f"case_{k + 1}", {}).get("rotation_pct")
+        own = {"rotation_mesh_error_pct": np.nan if mesh is None else float(mesh)}
+        rows.append(_row(k, wanted, expected, full) | own)
     return pd.DataFrame(rows)
 
 

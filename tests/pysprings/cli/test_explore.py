@@ -27,8 +27,8 @@ from pysprings.cli.page.sources import AtlasSource, RunSource, Source
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.batch import predict_batch
+from pysprings.results.look import CASE_MARKS
 from pysprings.results.plots import style
-from pysprings.results.plots.load_cases import MARKS
 from pysprings.scene.load import parse_scene
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.studies.design import answer_cases
@@ -198,9 +198,9 @@ def test_load_cases_of_another_vertical_load_are_grey(run_folder: Path) -> None:
     picture = figures.envelope(answer)
     drawn = {each["name"]: each for each in picture["data"]}
     for name, place, look in (("load", (0.1, 1.0), (style.VERMILLION, "circle")),
-                              ("here", (0.1, 0.3), (MARKS["supported in part"][1], "square")),
+                              ("here", (0.1, 0.3), (CASE_MARKS["supported in part"][1], "square")),
                               ("lighter", (0.05, -0.08), (style.GREY, "square-open")),
-                              ("huge", (900.0, 1e-3), (MARKS["no answer"][1], "square"))):  # fmt: skip
+                              ("huge", (900.0, 1e-3), (CASE_MARKS["no answer"][1], "square"))):  # fmt: skip
         assert (*drawn[name]["x"], *drawn[name]["y"]) == pytest.approx(place)
         assert (drawn[name]["marker"]["color"], drawn[name]["marker"]["symbol"]) == look
     ends = [each for each in picture["data"] if each["name"] in ("largest known load", "capacity", "end of the range")]

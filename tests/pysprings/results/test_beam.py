@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from scipy.optimize import brentq
 
+import pysprings
 from pysprings.core.errors import UserInputError
 from pysprings.results import exporters
 from pysprings.results.exporters import beam
@@ -179,3 +180,21 @@ def test_options_of_the_command(tmp_path: File) -> None:
         done = command("springs", file, "--for", "beam", *extra)
         assert done.code == 2 and words in done.err
     assert "is an option of --for beam" in command("springs", file, "--depths", DEPTHS).err
+
+
+def test_the_curves_as_arrays_are_those_of_the_table() -> None:
+    """Every point of the table stands in the dataset, of the typed springs and of the accessor alike."""
+    tree, depths = make_springs(PATHS), [0.4, 1.3, 2.2, 3.6]
+    found, frame = pysprings.beam(tree, depths), table(depths=DEPTHS)
+    assert found.identical(pysprings.beam(Springs.of(tree), depths)) and found.identical(tree.pysprings.beam(depths))
+    assert found["p"].shape == (4, beam.POINTS) and found.attrs["remarks"][0].startswith("p(y) alone")
+    for name, (family, moves, reacts) in beam.PLACES.items():
+        own = frame[frame["family"] == family].dropna(subset=[moves, reacts])
+        place = name[1:]
+        arrays = found[("rotation" if moves == "rotation_rad" else "y") + (place if len(name) > 1 else "")], found[name]
+        for column, values in zip((moves, reacts), arrays, strict=True):
+            np.testing.assert_allclose(values.values[np.isfinite(values.values)], own[column], rtol=1e-6)
+    np.testing.assert_allclose(found["depth_bottom"] - found["depth_top"], [0.85, 0.9, 1.15, 1.1])
+    assert len(pysprings.beam(tree, points=7)["point"]) == 7
+    with pytest.raises(UserInputError, match="not on the skirt"):
+        pysprings.beam(tree, [0.5, 9.0])

@@ -22,6 +22,7 @@ from pysprings.studies.sizing.search import (
     Wanted,
     answered,
     bounds_of,
+    confirmed,
     correction_of,
     least_confirmed,
     mass_of,
@@ -94,6 +95,17 @@ def test_what_the_full_model_never_confirms_is_no_result(search, monkeypatch):
     monkeypatch.setattr(sizing, "confirmed", turned(np.nan))
     with pytest.raises(RunIncomplete, match=r"not confirmed: after 3 corrections .* 'extreme' at not reached"):
         least_confirmed(search)
+
+
+@pytest.mark.slow
+def test_the_full_model_states_the_error_of_its_own_mesh(search, tmp_path):
+    """One case on its extrapolated mesh: the estimate of the run, beside the error of the atlas."""
+    file = tmp_path / "one.csv"
+    file.write_text("name,H [kN],arm [m]\nservice,800,12\n", encoding="utf-8")
+    wanted = replace(search.wanted, cases=read_load_cases(file))
+    (row,) = confirmed(search.atlas, wanted, Candidate(7.0, 7.0, 0.0, 1.0, "", True)).to_dict("records")
+    assert 0.0 < row["rotation_mesh_error_pct"] < 20.0
+    assert abs(row["rotation_error_pct"]) < 3.0 * row["rotation_deviation_pct"] + row["rotation_mesh_error_pct"]
 
 
 @pytest.fixture(scope="module")
