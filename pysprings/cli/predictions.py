@@ -35,6 +35,7 @@ COLUMNS = (
 # of a sequence in six degrees of freedom, which has no u
 SPACE_COLUMNS = (
     *(Column(f"u_{axis} [mm]", f"u_{axis}", ".4g", 1e3) for axis in "xy"),
+    Column("w [mm]", "w", ".4g", 1e3),
     *(Column(f"rot_{axis} [mrad]", f"rot_{axis}", ".4g", 1e3) for axis in "xyz"),
     *(Column(f"H_{axis} [kN]", f"H_{axis}", ".4g", 1e-3) for axis in "xy"),
     *(Column(f"M_{axis} [kN m]", f"M_{axis}", ".4g", 1e-3) for axis in "xy"),

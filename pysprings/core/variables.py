@@ -351,9 +351,9 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       ("step", "dof", "dof_conjugate"), _TANGENT),
 )
 
+_OF_BODY = ("u_x", "u_y", "w", "rot_x", "rot_y", "rot_z", "H_x", "H_y", "V", "M_x", "M_y", "T", "converged", "time")
 _SPACE_PREDICTION = {
-    name: replace(_SPACE_PATH[name], required=name not in ("V", "time"))
-    for name in ("u_x", "u_y", "rot_x", "rot_y", "rot_z", "H_x", "H_y", "V", "M_x", "M_y", "T", "converged", "time")
+    name: replace(_SPACE_PATH[name], required=name not in ("V", "time")) for name in _OF_BODY
 } | _table(
     *(_PREDICTION[name] for name in ("depth", "depth_bounds", "range_used", "extrapolated", "off_load")),
     *(V(f"p_{axis}", f"lateral soil reaction along {axis} per metre of depth", "N m-1", ("depth", "step"), _OPPOSES)

@@ -37,11 +37,11 @@ CALIBRATED = (
     "--out NEW.nc` writes a file that has them"
 )
 VERSION = 9
-SPACE_VERSION = b"space 1"  # of elements in space
+SPACE_VERSION = b"space 2"  # of elements in space
 CHANGE = f"{MEMORY}_load_change"
 _SPACE = {
     "space_rows": ("space_element", "space_parameter"), "space_p_loads": ("space_depth", "space_load"),
-    "space_p_elastic": ("space_depth", "space_motion"),
+    "space_p_elastic": ("space_depth", "space_motion"), "space_even": ("space_vertical", "space_way"),
 }  # fmt: skip
 _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
@@ -262,7 +262,8 @@ def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:
 def _space_attrs(space: SpaceElements) -> dict[str, Any]:
     """Return what a spring file holds of elements in space beside their rows."""
     return {
-        "radius_m": space.radius, "twist_m": space.twist, "space_residual": space.residual,
+        "radius_m": space.radius, "twist_m": space.twist, "space_growth": space.growth, "space_way_m": space.way,
+        "space_residual": space.residual,
         "torsion_residual": space.torsion_residual, "space_ways": list(space.errors),
         "space_H_errors": [e[0] for e in space.errors.values()],
         "space_M_errors": [e[1] for e in space.errors.values()],
@@ -279,11 +280,11 @@ def _space_of(stored: xr.Dataset) -> SpaceElements | None:
     """Return the elements in space of the group "memory" of a spring file; None where it has none."""
     if "space_rows" not in stored:
         return None
-    names = ("radius_m", "twist_m", "space_residual", "torsion_residual")
-    radius, twist, residual, of_torsion = (float(stored.attrs[name]) for name in names)
-    rows, loads, elastic = (np.ascontiguousarray(stored[name].values) for name in _SPACE)
+    rows, loads, elastic, even = (np.ascontiguousarray(stored[name].values) for name in _SPACE)
+    names = ("radius_m", "twist_m", "space_growth", "space_way_m", "space_residual", "torsion_residual")
+    radius, twist, growth, way, residual, of_torsion = (float(stored.attrs[name]) for name in names)
     errors = _errors(stored.attrs, "space_")
-    return SpaceElements(rows, radius, twist, loads, elastic, residual, of_torsion, errors)
+    return SpaceElements(rows, radius, twist, loads, elastic, even, growth, way, residual, of_torsion, errors)
 
 
 def from_dataset(stored: xr.Dataset) -> ElementSet:

@@ -40,6 +40,9 @@ class SpaceElements:
     twist : largest motion of the wall by a twist [m]; 0 without elements of torsion.
     p_loads, p_elastic : (k, 2) and (k, 2 m) p [N/m] at k depths in each plane, by its load (H, M/L) [N] and by the
         elastic motions [m] of the m elements without torsion (`pysprings.memory.offered.Offered.of_space`).
+    even : (2, 2 m) changes of w [m] and V [N] by what even rows are linear in (`pysprings.memory.offered.evened`).
+    growth, way : limit s of a way over the size of its element; longest way of the calibration [m], beyond it w is
+        extrapolated; 0 where w and V are not those of the elements.
     residual, torsion_residual : norm of what is left of the weighted equations, relative to their right sides.
     errors : largest error in H and M/L (vectors) of each way out of the plane, over its largest load.
     """
@@ -49,6 +52,9 @@ class SpaceElements:
     twist: float
     p_loads: Array
     p_elastic: Array
+    even: Array
+    growth: float
+    way: float
     residual: float
     torsion_residual: float
     errors: dict[str, tuple[float, float]]

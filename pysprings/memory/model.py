@@ -19,7 +19,7 @@ from pysprings.macro.ways import RANGE_SLACK, Along, Control, ending, equations
 from pysprings.memory.calibration import ElementSet, numbers_of, way_of
 from pysprings.memory.elements import COLUMNS, PLATES, SPACE_COLUMNS, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
-from pysprings.memory.offered import numbers_in_space
+from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
 from pysprings.memory.shares import elastic_motions, loads_of
 from pysprings.memory.space import SHARE_NOTHING
 from pysprings.springs.path import TOGETHER
@@ -32,10 +32,7 @@ _NOT_ASKED = {
     "secant": "springs with memory have no secant stiffness of a state: ask for the springs 'fan'",
 }
 
-_IN_SPACE = (
-    "elements in the space of both planes, calibrated on paths out of one plane",
-    "w follows the fan at the size of the whole lateral motion: it goes back with it, cycles do not add up settlement",
-)
+_IN_SPACE = "elements in the space of both planes, calibrated on paths out of one plane"
 
 # ways on which motions between the planes are tried: directions of (u, rotation L), motions over the reach
 _ANGLES = np.radians([-90.0, -60.0, -45.0, -30.0, 0.0, 30.0, 60.0])  # of (u, rotation L)
@@ -81,12 +78,14 @@ class MemorySprings(FanSprings):
 
     @property
     def element_rows(self) -> ElementRows:
-        """The elements for programs that step in time: those in space, without w and V, or else those of the plane."""
+        """The elements for programs that step in time: those in space, or else those of the plane."""
         own, names = self.elements, self.table.name[~self.elements.shares.odd].tolist()
         if own.space is not None:
             rows, twist = own.space.rows, own.space.twist
-            head = (own.largest, own.space.radius if twist else 0.0, twist, 0.0, 0.0, *self.rest)
-            return ElementRows(np.pad(rows, ((0, 0), (0, 4))), head, numbers_in_space(rows), self.sets, True)
+            radius, limit = own.space.radius if twist else 0.0, 1.0 / own.space.growth
+            head = (own.largest, radius, twist, own.space.way, limit, *self.rest)
+            whole = np.hstack([rows, even_by_row(own.space.even, Offered.of_space(rows), len(rows))])
+            return ElementRows(whole, head, numbers_in_space(rows), self.sets, True)
         down = [names.index(name) for name in ("w", "V")]
         factors = own.shares.even[down].reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
         limit = 1.0 / float(np.asarray(own.shares.growth)) if self.sets == 1 else 0.0
@@ -97,7 +96,7 @@ class MemorySprings(FanSprings):
     def plane_notes(self) -> list[str]:
         """Return sentences on motions out of one plane: of elements in space, or at 45 degrees between plates."""
         if self.elements.space is not None:
-            return [*_IN_SPACE, *[f"torsion and lateral loads together: {SHARE_NOTHING}"] * self.element_rows.twists]
+            return [_IN_SPACE, *[f"torsion and lateral loads together: {SHARE_NOTHING}"] * self.element_rows.twists]
         H, M = error_between_planes(self.elements)
         return [
             "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption",

@@ -24,6 +24,7 @@ from pysprings.memory.elements import (
     histories,
     round_histories,
 )
+from pysprings.memory.shares import even_motions
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
@@ -148,8 +149,43 @@ def elastic_motions(choice: Offered, motions: Array, largest: float) -> Array:
     return e
 
 
+def evened(choice: Offered, motions: Array, largest: float, growth: float) -> Array:
+    """Return what w and V are linear in, (n, 2 elements) [m], along motions (n, 5): ways, then stored energies.
+
+    They are those of one plane (`pysprings.memory.shares`), of round elements with both planes in |e|_G^2, of spread
+    ones the sum over their planes.
+    """
+    spread, out = choice.spread, np.zeros((len(motions), 2, len(choice.spread)))
+    round_, directed = choice.rows[~spread], choice.rows[spread]
+    e, p = _histories(round_histories, round_, motions[:, :4], largest)
+    for plane in (e[:, :, :2], e[:, :, 2:]):
+        way, stored = np.split(even_motions(round_, plane, p, growth), 2, axis=1)
+        out[:, 0, ~spread] = way
+        out[:, 1, ~spread] += stored
+    for angle in azimuths():
+        own = np.cos(angle) * motions[:, :2] + np.sin(angle) * motions[:, 2:4]
+        parts = even_motions(directed, *_histories(histories, directed, own, largest), growth)
+        out[:, :, spread] += 2.0 / AZIMUTHS * parts.reshape(len(motions), 2, len(directed))
+    return out.reshape(len(motions), 2 * len(spread))
+
+
+def even_by_row(even: Array, choice: Offered, rows: int) -> Array:
+    """Return factors (rows, 4) of rows of `in_space`: of w and V by the way, then by what is stored.
+
+    even (2, 2 elements) is by element that was offered; rows behind those of the choice (torsion) have none.
+    """
+    parts = even.reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
+    own = np.concatenate([parts[~choice.spread], *[2.0 / AZIMUTHS * parts[choice.spread]] * AZIMUTHS])
+    return np.concatenate([own, np.zeros((rows - len(own), 4))])
+
+
 def _along(along: Callable[..., None], rows: Array, motions: Array, largest: float) -> Array:
     """Return the elastic motions (n, elements, m) of rows along motions (n, m) [m]."""
+    return _histories(along, rows, motions, largest)[0]
+
+
+def _histories(along: Callable[..., None], rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
+    """Return the elastic motions (n, elements, m) and ways (n, elements) of rows along motions (n, m) [m]."""
     e, p = np.zeros((len(motions), len(rows), motions.shape[1])), np.zeros((len(motions), len(rows)))
     along(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
-    return e
+    return e, p

@@ -63,7 +63,7 @@ class Shares:
         carried = loads_of(rows, e)
         out = np.repeat(self.rest[:, None], len(e), axis=1)
         out[self.odd] += self.loads @ carried.T + self.elastic @ e.reshape(len(e), -1).T
-        out[~self.odd] += self.even @ _even_motions(rows, e, p, self.growth).T
+        out[~self.odd] += self.even @ even_motions(rows, e, p, self.growth).T
         return out
 
 
@@ -121,7 +121,7 @@ def loads_of(rows: Array, e: Array) -> Array:
     return loads
 
 
-def _even_motions(rows: Array, e: Array, p: Array, growth: float | Array) -> Array:
+def even_motions(rows: Array, e: Array, p: Array, growth: float | Array) -> Array:
     """Return what even rows are linear in, (n, 2 elements) [m]: ways up to their limits, then stored energies."""
     d, G = rows[:, 7], np.stack([rows[:, [1, 2]], rows[:, [2, 3]]], axis=1)
     G[np.isin(rows[:, 0], PLATES)] = np.eye(2)
@@ -155,10 +155,10 @@ def shares_of(
     D = ridge_fit(e, R[:, odd] - F @ S.T, weights, RIDGE)
     D -= S @ (b.T @ D)
     even = [way.reactions[~odd] - rest[~odd, None] for way in ways]
-    heave = [rows_[list(table.name[~odd]).index("w")] for rows_ in even]
-    weights = _heave_weights(ways, heave)
+    heave = [heave_of(table, way)[0] for way in ways]
+    weights = heave_weights([(own, way.turns) for way, own in zip(ways, heave, strict=True)])
     growth, ridge = _best(rows, ways, states, heave, weights)
-    X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
+    X = np.concatenate([even_motions(rows, *state, growth) for state in states])
     factors = ridge_fit(X, np.concatenate(even, axis=1).T, weights, ridge)
     states += [elastic_motions(rows, way.motions, largest) for way in others]
     return Shares(odd, rest, S, D, factors, growth, _water([*ways, *others], states, table)), carried
@@ -188,7 +188,7 @@ def _best(
     known, errors = np.concatenate(heave)[:, None], {}
     turning = [k for k, way in enumerate(ways) if way.turns]
     for growth in GROWTHS if turning else GROWTHS[:1]:
-        X = np.concatenate([_even_motions(rows, *state, growth) for state in states])
+        X = np.concatenate([even_motions(rows, *state, growth) for state in states])
         for ridge in RIDGES:
             errors[growth, ridge] = 0.0
             for k in turning:
@@ -200,13 +200,20 @@ def _best(
     return min(errors, key=lambda pair: errors[pair])
 
 
-def _heave_weights(ways: Sequence[Sample], heave: Sequence[Array]) -> Array:
-    """Return weights (all points,) that make errors relative to the largest heave of a way."""
-    largest = max(float(np.abs(w).max()) for w in heave)
-    sizes = [max(float(np.abs(w).max()), LEAST * largest, 1e-300) for w in heave]
+def heave_of(table: FanTable, way: Sample) -> Array:
+    """Return the changes (2, n) of w [m] and V [N] along a way from rest."""
+    places = [list(table.name).index(name) for name in ("w", "V")]
+    found: Array = way.reactions[places] - table.r[places, 0, :1]
+    return found
+
+
+def heave_weights(ways: Sequence[tuple[Array, bool]]) -> Array:
+    """Return weights (all points,) that make errors relative to the largest heave (n,) of a way, and if it turns."""
+    largest = max(float(np.abs(w).max()) for w, _ in ways)
+    sizes = [max(float(np.abs(w).max()), LEAST * largest, 1e-300) for w, _ in ways]
     return np.concatenate([
-        np.full(len(way.motions), (TURNING if way.turns else 1.0) / np.sqrt(len(way.motions)) / size)
-        for way, size in zip(ways, sizes, strict=True)
+        np.full(len(w), (TURNING if turns else 1.0) / np.sqrt(len(w)) / size)
+        for (w, turns), size in zip(ways, sizes, strict=True)
     ])  # fmt: skip
 
 

@@ -30,9 +30,9 @@ from pysprings.memory.calibration import (
 )
 from pysprings.memory.candidates import LARGEST, SMALLEST, plastic_rows
 from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
-from pysprings.memory.offered import AZIMUTHS, Offered, elastic_motions, in_space, numbers_of, offered
+from pysprings.memory.offered import AZIMUTHS, Offered, elastic_motions, evened, in_space, numbers_of, offered
 from pysprings.memory.samples import Sample, places
-from pysprings.memory.shares import RIDGE, loads_of
+from pysprings.memory.shares import RIDGE, heave_of, heave_weights, loads_of
 from pysprings.memory.water import ridge_fit
 from pysprings.springs.path import SpacePath
 from pysprings.springs.springs import Springs
@@ -86,11 +86,37 @@ def calibrate_in_space(
         return None
     torsion, torsion_left = torsion_elements(twists, springs, reach)
     rows, left = _lateral(planar.rows, ways, lateral, table, stiffness, (reach, MOST_NUMBERS - STATES * len(torsion)))
-    p = _by_depth(Offered.of_space(rows), ways, springs, table, planar.largest)
+    choice = Offered.of_space(rows)
+    p = _by_depth(choice, ways, springs, table, planar.largest)
+    growth, longest = float(planar.shares.growth), max([planar.way, *(_way_of(way) for way in lateral)])
+    even = _heave(choice, ways, springs, table, (planar.largest, growth))
     rows = np.concatenate([rows, torsion])
     farthest = max((float(np.abs(way.motions[:, 4]).max()) for way in twists), default=0.0)
     errors = {way.name: errors_of(rows, way.motions, way.loads, planar.largest) for way in lateral}
-    return SpaceElements(rows, radius, farthest, *p, left, torsion_left, errors)
+    return SpaceElements(rows, radius, farthest, *p, even, growth, longest, left, torsion_left, errors)
+
+
+def _way_of(way: SpaceWay) -> float:
+    return float(np.linalg.norm(np.diff(way.motions, axis=0), axis=1).sum())
+
+
+def _heave(
+    choice: Offered, ways: Sequence[Sample], springs: Springs, table: FanTable, sizes: tuple[float, float]
+) -> Array:
+    """Return w and V (2, 2 elements) by the ways and the stored energies of elements; sizes: largest step, growth.
+
+    From the planar ways along x and turned, and the recorded paths that move the lid centre out of the plane; as even
+    rows of the plane.
+    """
+    (largest, growth), angles = sizes, (0.0, 0.5 * np.pi / AZIMUTHS)
+    known = [(_turned(way.motions, a, 5), heave_of(table, way), way.turns) for a in angles for way in ways]
+    for path in springs.turning:
+        if path.kind != "twist":
+            motions, change = path.motions(1.0), np.stack([path[name] - path[name][0] for name in ("w", "V")])
+            known.append((motions, change, True))
+    X = np.concatenate([evened(choice, motions, largest, growth) for motions, _, _ in known])
+    weights = heave_weights([(change[0], turns) for _, change, turns in known])
+    return ridge_fit(X, np.concatenate([change for _, change, _ in known], axis=1).T, weights, RIDGE)
 
 
 def _by_depth(

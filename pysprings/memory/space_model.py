@@ -2,7 +2,7 @@
 """Springs with memory in all directions: motions and loads in six degrees of freedom along sequences, or step by step.
 
 Motions are (u_x, u_y, rot_x, rot_y, rot_z), loads (H_x, H_y, M_x, M_y, T), in the axes of the field: right-handed with
-z up, H_x to M_y about the lid centre. w and V are no part of it. Elements of torsion share no friction with lateral
+z up, H_x to M_y about the lid centre. w is an answer, V is constant. Elements of torsion share no friction with lateral
 ones: where both loads act the answer is marked.
 """
 
@@ -25,7 +25,7 @@ from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import ElementSet, SpaceElements
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
-from pysprings.memory.offered import Offered, elastic_motions
+from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, in_planes, out_of_planes
@@ -40,7 +40,7 @@ MISSING = (
     "Run the scene with `[springs] memory = true` and `directions = true`"
 )
 APART = "torsion and lateral loads act together in {} of {} states: " + SHARE_NOTHING
-NO_HEAVE = "w is not answered out of one plane"
+HEAVE = "w out of one plane is that under V of the springs, {:.7g} N; a twist leaves it as it is"
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +178,13 @@ class SpaceSprings:
             for one in (e[:, :, :2], e[:, :, 2:])
         ])  # fmt: skip
 
+    def heave(self, turns: Array) -> Array:
+        """Return w (n,) [m] under the V of the springs along motions (n, 5) from rest on; a twist changes nothing."""
+        own, choice = self.elements, Offered.of_space(self.elements.rows)
+        moved = evened(choice, self.motions_of(turns), self.largest, own.growth) @ own.even[0]
+        found: Array = float(self.origin["w"][0]) + moved
+        return found
+
     def range_used(self, turns: Array) -> Array:
         """Return the size of motions (n, 5) over that of the rays, or of the twist where that is more."""
         motions = self.motions_of(turns)
@@ -203,7 +210,7 @@ class SpaceSprings:
         values: dict[str, Any] = dict(zip(SPACE_TURNS, turns.T, strict=True)) | dict(
             zip(SPACE_LOADS, pushes.T, strict=True)
         )
-        values |= {"converged": np.ones(n, dtype=np.int8), "range_used": used}
+        values |= {"w": self.heave(turns), "converged": np.ones(n, dtype=np.int8), "range_used": used}
         values |= {"extrapolated": (used > 1.0 + RANGE_SLACK).astype(np.int8)}
         apart = self.torsion_apart(pushes)
         values["torsion_apart"] = apart.astype(np.int8)
@@ -220,7 +227,8 @@ class SpaceSprings:
         attrs = {
             "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
-            "beyond_range": [text] if values["extrapolated"].any() else [], "refusals": [], "remarks": [NO_HEAVE],
+            "beyond_range": [text] if values["extrapolated"].any() else [], "refusals": [],
+            "remarks": [HEAVE.format(self.V)],
         }  # fmt: skip
         p = dict(zip(("p_x", "p_y"), self.reactions(turns), strict=True))
         p["depth_bounds"] = self.origin["depth_bounds"]

@@ -334,6 +334,19 @@ def test_a_twist_uses_the_range_of_the_twist() -> None:
         sequence_in_space(calibrated(), turns[1:2], control="state")
 
 
+def test_w_is_that_of_the_rays_in_any_direction() -> None:
+    """Along the rays and those that turn back it is the law's within 10 % of the largest, turned within 8 %."""
+    springs = Springs.of(calibrated()).at()
+    space = SpaceSprings.of(springs)
+    for path in springs.paths.values():
+        w, found = path["w"] - path["w"][0], []
+        for c, s in ((1.0, 0.0), (0.6, 0.8)):
+            u, lean = path.u, path.rotation
+            moved = space.heave(np.stack([c * u, s * u, -s * lean, c * lean, 0.0 * u], axis=1))
+            found.append(moved - float(space.origin["w"][0]))
+        assert np.abs(found[0] - w).max() < 0.1 * 1.6e-3 and np.abs(found[1] - found[0]).max() < 0.08 * 1.6e-3
+
+
 def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
     """In SI as JSON, as a table for people, with the marks; `compare` lists the paths out of the plane."""
     file, table = tmp_path / "springs.nc", tmp_path / "loads.csv"
@@ -349,7 +362,8 @@ def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
     assert [row["u_y"] for row in rows] == pytest.approx(known["u_y"].values.tolist())
     assert [row["torsion_apart"] for row in rows] == [0, 0, 1]
     text = command("predict", file, "--sequence", table, "--springs", "memory")
-    assert "rot_z [mrad]" in text.out and "torsion_apart" in text.out and "w is not answered" in text.err
+    assert "rot_z [mrad]" in text.out and "torsion_apart" in text.out and "w out of one plane is that" in text.err
+    assert " w [mm] " in text.out and [row["w"] for row in rows] == pytest.approx(known["w"].values.tolist())
     assert command("predict", file, "--sequence", table, "--out", tmp_path / "a.csv").code == 0
     assert "rot_z_rad,H_x_N" in (tmp_path / "a.csv").read_text()
     for option, words in ((["--springs", "fan"], "one plane only"), (["--stiffness"], "is that of one plane"),
