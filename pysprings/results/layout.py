@@ -32,7 +32,7 @@ _AFTER = {
 
 LOAD_CASES = "design.csv"  # answers to load cases, which `pysprings design --report` puts there
 
-OF_FREE_HEADS = ("macro_against_full", "stress_outside", "section", "gap")  # pictures about loads and states
+OF_FREE_HEADS = ("caisson", "macro_against_full", "stress_outside", "section", "gap")  # pictures about loads and states
 _STATE = re.compile(r"last|[0-9.]+mm")
 
 

@@ -43,9 +43,14 @@ def _scene(text: str) -> Scene | None:
         return None
 
 
+def scene_of(view: View) -> Scene | None:
+    """Return the scene of the result of a view; None where this version cannot read it."""
+    return _scene(str(view.result.attrs.get("scene_toml", "")))
+
+
 def _applies(view: View) -> bool:
     """Return whether the ground of the run differs from depth to depth, or is undrained clay."""
-    scene = _scene(str(view.result.attrs.get("scene_toml", "")))
+    scene = scene_of(view)
     return scene is not None and not (scene.ground.is_uniform and not scene.ground.total_stress)
 
 
@@ -55,7 +60,7 @@ def ground_profile(view: View) -> Figure:
 
     Raises ValueError where the result does not hold its scene.
     """
-    scene = _scene(str(view.result.attrs.get("scene_toml", "")))
+    scene = scene_of(view)
     if scene is None:
         raise ValueError("the result does not hold its scene")
     ground = scene.ground
@@ -64,7 +69,7 @@ def ground_profile(view: View) -> Figure:
     widths = [1.6, *(2 + len(columns)) * [1.0]]
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
     deepest = min(_DEEPEST * scene.caisson.skirt_length, scene.extent.ground)
-    _draw_section(panels[0], view, scene, ground, deepest)
+    draw_section(panels[0], view, scene, deepest)
     _draw_curves(panels[1], ground, deepest, "vertical", style.KPA, style.BLUE, "vertical effective\nstress [kPa]")
     _draw_curves(panels[2], ground, deepest, "shear", MPA, style.GREEN, "shear modulus\nG [MPa]")
     for axes, (key, heading, factor, colour) in zip(panels[3:], columns, strict=True):
@@ -78,10 +83,10 @@ def ground_profile(view: View) -> Figure:
     return figure
 
 
-def _draw_section(axes: Axes, view: View, scene: Scene, ground: Ground, deepest: float) -> None:
+def draw_section(axes: Axes, view: View, scene: Scene, deepest: float) -> None:
     """Draw layers with their names, the mesh where it was kept, and the caisson."""
     radius = 0.5 * scene.caisson.outer_diameter
-    for number, stratum in enumerate(ground.strata):
+    for number, stratum in enumerate(scene.ground.strata):
         if stratum.top < deepest:
             axes.axhspan(stratum.top, min(stratum.bottom, deepest), color=_LAYERS[number % 2], zorder=0)
             name = style.plain(stratum.name[:40])

@@ -18,7 +18,7 @@ from pysprings.results.plots.style import KN, MM, MN, MRAD
 
 Scope = Literal["run", "path", "state"]
 # Part of the report that shows a picture; "" leaves it to the folder of figures
-Part = Literal["", "springs", "capacity", "tilt", "comparison", "ground", "states", "numerics"]
+Part = Literal["", "first", "springs", "capacity", "tilt", "comparison", "ground", "states", "numerics"]
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,6 @@ class Picture:
         What one picture shows: the whole "run", a "path", or a "state" (last step, and u = 2.5 mm where reached).
     applies
         Whether a view holds the data that the picture needs.
-    tall
-        The picture needs the height of a printed page.
     section
         Part of the report that shows it: of a path the one that stands for all, of a state the last; by default its
         appendix of numerics.
@@ -117,7 +115,6 @@ class Picture:
     data: Callable[[View], tuple[Any, ...]] = _view
     scope: Scope = "path"
     applies: Callable[[View], bool] = _always
-    tall: bool = False
     section: Part = "numerics"
 
     def draw(self, view: View, **options: Any) -> Figure:
@@ -131,14 +128,13 @@ def of_state(
     function: Callable[..., Figure],
     needs: Sequence[str],
     section: Part = "",
-    tall: bool = False,
 ) -> Picture:
     """Return a picture of one state of a path that holds the variables `needs`."""
 
     def applies(view: View) -> bool:
         return all(key in view.path for key in needs)
 
-    return Picture(name, caption, function, lambda view: (view.path, view.step), "state", applies, tall, section)
+    return Picture(name, caption, function, lambda view: (view.path, view.step), "state", applies, section)
 
 
 # Rings nearest to these parts of the skirt length: 0.25, 1.25, 2.25 and 3.25 m on the paper's 4 m skirt.

@@ -242,7 +242,7 @@ def _legend(quantity: Quantity, largest: float, gaps: bool) -> list[Line2D | Pat
 def _stress(side: str, section: Part) -> Picture:
     caption = f"Normal effective stress around the caisson, {side}"
     draw = partial(stress_rose, side=side)
-    return of_state(f"stress_{side}", caption, draw, ("normal_effective_stress",), section, tall=True)
+    return of_state(f"stress_{side}", caption, draw, ("normal_effective_stress",), section)
 
 
 OUTSIDE, INSIDE = _stress("outside", "states"), _stress("inside", "")

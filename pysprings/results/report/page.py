@@ -12,6 +12,7 @@ import gzip
 import hashlib
 import json
 import os
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -151,11 +152,10 @@ MEDIA = {".png": "image/png", ".svg": "image/svg+xml"}
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of the report: caption, bytes as a data URI, page's height or not, interactive twin or not."""
+    """A figure of the report: caption, bytes as a data URI, interactive twin or not."""
 
     caption: str
     source: str
-    tall: bool = False
     twin: bool = False
 
 
@@ -248,8 +248,16 @@ def page_html(template: str, folder: Path | None = None, **values: Any) -> str:
     engine = Environment(
         loader=ChoiceLoader(places), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    engine.filters["marked"] = marked
     sketch = picture_uri(axes_svg().encode(), ".svg")
     return engine.get_template(template).render(version=version.__version__, sketch=sketch, **values)
+
+
+def marked(text: object) -> str:
+    """Return a text as markup, escaped, whose words between backticks are code."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text))))
 
 
 def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) -> dict[str, list[Picture]]:
@@ -279,7 +287,7 @@ def pictures_by_part(files: Iterable[Path], paths: Paths, live: bool = False) ->
         file = best[drawn.stem]
         shown = Picture(
             _caption(kind.caption, drawn.state) + of,
-            picture_uri(file.read_bytes(), file.suffix), kind.tall, live and kind.name in TWINS,
+            picture_uri(file.read_bytes(), file.suffix), live and kind.name in TWINS,
         )  # fmt: skip
         parts.setdefault(kind.section, []).append(shown)
     return parts

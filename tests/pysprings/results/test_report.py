@@ -397,3 +397,16 @@ def test_without_pictures_it_loads_no_matplotlib(result: xr.DataTree, tmp_path: 
     )
     done = run_python("-c", code)
     assert done.stdout.split() == ["False", "True"], done.stderr
+
+
+def test_words_between_backticks_are_code_and_no_backtick_is_left(result: xr.DataTree, springs: xr.DataTree) -> None:
+    assert report.marked("run `predict <OUT>` & go") == "run <code>predict &lt;OUT&gt;</code> &amp; go"
+    text = report.render(result, springs)
+    assert "<code>predict</code>" in text and "<code>--extrapolate</code>" in text
+    assert "`" not in text
+
+
+def test_figures_fill_the_width_of_a_printed_page(result: xr.DataTree) -> None:
+    style = report.render(result).split("@media print {")[1].split("</style>")[0]
+    (rule,) = re.findall(r"^\s*figure img \{(.*?)\}", style, re.M)
+    assert "width: 100%" in rule and "object-fit: contain" in rule

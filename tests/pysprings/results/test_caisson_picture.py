@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: MIT
+"""The first picture of the report: where the load stands, and the error that its title states."""
+
+from dataclasses import replace
+
+import pytest
+import xarray as xr
+
+from pysprings.results.analysis.parts import path_data
+from pysprings.results.plots.caisson import PICTURE
+from pysprings.results.plots.picture import View
+from tests.support import synthetic, tiny
+
+PULL = synthetic.Path("pull", arm=6.0)
+
+
+def view(factor: float) -> View:
+    """Return the view of a pull, with springs whose loads are a share of the full model's."""
+    result = synthetic.make_result((PULL,))
+    result.attrs["scene_toml"] = tiny.sand().to_toml()
+    path = path_data(result, "pull")
+    answer = path[["u", "H", "M", "rotation"]].assign(converged=path["converged"])
+    return View(result, None, None, path, {"fan": answer.assign(H=factor * answer["H"])})
+
+
+@pytest.mark.parametrize("factor", [1.03, 0.9])
+def test_load_height_and_error_of_the_springs(factor: float) -> None:
+    drawn = PICTURE.draw(view(factor))
+    left, right = drawn.axes
+    assert {text.get_text() for text in left.texts} >= {"H at 6 m"}
+    assert right.get_title(loc="left") == f"largest error of the springs in H: {100 * abs(factor - 1):.2g} %"
+    low, high = left.get_ylim()
+    assert high < -6.0 < low  # the load is on the picture, depth down
+
+
+def test_it_needs_a_scene_and_springs() -> None:
+    whole = view(1.0)
+    assert PICTURE.applies(whole)
+    assert not PICTURE.applies(replace(whole, predictions={}))
+    assert not PICTURE.applies(replace(whole, result=xr.DataTree()))
