@@ -70,3 +70,19 @@ def test_sand_has_the_first_loading_of_drucker_prager_and_carries_no_more_on_rev
     assert [peaks[0][2], -peaks[0][3], peaks[0][4]] == pytest.approx([peaks[0][0]] * 3, rel=0.03)
     assert -peaks[1][3] > 1.3 * peaks[1][0]
     assert small_loop(own) > 0.1
+
+
+@pytest.mark.slow
+def test_strengths_by_direction_give_the_collapse_load_of_the_elastic_plastic_law():
+    """The same ellipsoids bound both laws, which differ on the way to collapse alone."""
+    soil = {name: value for name, value in CLAY.items() if name != "strain_at_half_strength"}
+    ends = []
+    for law, factor in ("iwan-clay", 0.6), ("von-mises", 0.6), ("von-mises", 1.0):
+        own = {**soil, "yield_surface": law, "rigidity_ratio": 1000.0, "extension_factor": factor}
+        pull = {**tiny.PULL, "lateral_displacement": 0.4}
+        mesh = {"discretisation": "fourier", "refinement": 0.6, "harmonics": 3}
+        result = compute(tiny.sand(**{**tiny.SECTIONS, "mesh": mesh, "soil": own, "paths": (pull,)}, interface=BONDED))
+        assert result.record.status == "complete"
+        ends.append(float(result.recorded()["paths/pull"]["H"][-1]))
+    assert ends[0] == pytest.approx(ends[1], rel=0.02)
+    assert ends[1] < 0.96 * ends[2]

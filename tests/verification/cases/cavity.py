@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Expansion of a spherical cavity in perfectly plastic, cohesionless sand (30 degrees, psi 0 and 30 degrees).
 
+The law "sand" has two perfectly plastic limits once its strength is mobilised and never fades: I_R 0, which shears at
+phi_crit without dilation, and I_R 4, which has phi_crit + 12 deg and M_psi = D = 1.2/1.4.
+
 A sector of small solid angle: one row of hexahedra along the radius, whose nodes move radially only (their
 dofs are radial and two fixed tangential ones). All stresses stay on the compression meridian. With
 N = (1 + sin phi)/(1 - sin phi) and compression positive, for a plastic zone a < r < b around a cavity of
@@ -24,6 +27,7 @@ from fe_engine.material import Material
 from fe_engine.mesh import Mesh
 from fe_engine.model import Model
 from fe_engine.soil import plasol
+from fe_engine.soil import sand as by_density
 from tests.verification.blocks import (
     POISSON,
     YOUNG,
@@ -139,7 +143,18 @@ def errors(cells: int, psi: float, b: float, angle: float = ANGLE) -> tuple[floa
 @cache
 def rows() -> tuple[Row, ...]:
     """Pressure, displacement and plastic radius at b/a = 1.5, 2, 3, for psi 0 and 30 degrees, and the rates."""
-    return (*(row for psi in (0.0, 30.0) for row in (*_values(psi), *rates(psi))), *_van_eekelen())
+    plain = (row for psi in (0.0, 30.0) for row in (*_values(_name(psi), psi, make_sector(CELLS, psi)), *rates(psi)))
+    return (*plain, *_van_eekelen(), *_by_density())
+
+
+def _by_density() -> list[Row]:
+    """The law "sand" at I_R 0 and 4 with all of its strength mobilised, phi 30 deg in both."""
+    found = []
+    for index, density, critical, psi in (0, 0.01, 30.0, 0.0), (4, 10.0, 18.0, float(np.degrees(np.arcsin(0.375)))):
+        packed = by_density.pack(YOUNG, POISSON, np.radians(critical), density, 10.0, 4.0, 1e-3, 1e9, 0.0, 0.04)
+        sector = make_sector(CELLS, psi, material=Material(by_density.LAW, packed))
+        found += _values(f"spherical cavity, law sand, I_R {index}, phi 30, psi {psi:.3g} deg", psi, sector)
+    return found
 
 
 def _van_eekelen() -> list[Row]:
@@ -157,10 +172,8 @@ def _name(psi: float) -> str:
     return f"spherical cavity, phi 30, psi {psi:g} deg"
 
 
-def _values(psi: float) -> list[Row]:
+def _values(case: str, psi: float, sector: Sector) -> list[Row]:
     """Pressure at equal displacement and the reverse, and the plastic radius."""
-    case = _name(psi)
-    sector = make_sector(CELLS, psi)
     found, missed = [], []
     for b in TABLE:
         pressure, displacement = closed_form(b, psi)
