@@ -110,7 +110,9 @@ def open_run(folder: Path, name: str) -> Run:
 def _draw(first: Run, second: Run, names: list[str], out: Path, figure_format: str) -> list[Path]:
     from pysprings.results.plots.files import save
     from pysprings.results.plots.two_runs import overlay
+    from pysprings.springs.path import paths_of
 
     out.mkdir(parents=True, exist_ok=True)
-    runs = {each.name: each.result for each in (first, second)}
-    return [file for name in names for file in save(overlay(runs, name), out / name, figure_format.split(","))]
+    runs = {each.name: paths_of(each.result) for each in (first, second)}
+    drawn = ((name, overlay({run: paths[name].dataset for run, paths in runs.items()}, name)) for name in names)
+    return [file for name, figure in drawn for file in save(figure, out / name, figure_format.split(","))]

@@ -23,6 +23,8 @@ from pysprings.springs.path import paths_of
 if TYPE_CHECKING:
     import xarray as xr
 
+    Paths = Mapping[str, Mapping[str, xr.Dataset]]  # by name of the path, and by estimate
+
 SHARES = (0.1, 0.3, 1.0)  # of the motion that all runs reach, where loads are compared
 TABLES = ("load_displacement.csv", "py.csv")  # of each run, which become one with a column more
 POINTS, LEAST = 12, 1.0e-6  # points of a p-y curve side by side, and its least range [m]: vertical paths have none
@@ -44,14 +46,15 @@ def write_together(folder: Path, runs: Mapping[str, Run]) -> tuple[list[Path], p
     estimates.csv has stiffness and loads at equal motion, py_side_by_side.csv p-y curves at equal y, both in
     springs.xlsx; the tables of the runs are joined with a first column `estimate`.
     """
-    loads, py = pd.DataFrame(_loads(runs)), pd.DataFrame(_py(runs))
+    common = dict(_common(runs))
+    loads, py = pd.DataFrame(_loads(runs, common)), pd.DataFrame(_py(common))
     files = [write_frame(loads, folder / "estimates.csv"), write_frame(py, folder / "py_side_by_side.csv")]
     files += [_joined(folder, name, runs) for name in TABLES]
     book = folder / "springs.xlsx"
     with replacing(book) as temporary, pd.ExcelWriter(temporary, engine="xlsxwriter") as writer:
         loads.to_excel(writer, sheet_name="loads", index=False)
         py.to_excel(writer, sheet_name="p-y", index=False)
-    return [*files, book, *_page(folder, runs, loads)], loads
+    return [*files, book, *_page(folder, runs, common, loads)], loads
 
 
 def table_of(loads: pd.DataFrame) -> Table:
@@ -64,14 +67,14 @@ def table_of(loads: pd.DataFrame) -> Table:
     return Table("", ("", "quantity", *names), cells, left=(True, True))
 
 
-def _loads(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
+def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
     """Yield initial stiffnesses, and the load of each common path at shares of the motion that all reach."""
     for quantity, i, j in _STIFFNESS:
         values = {
             name: 1e-6 * float(run.result.dataset["stiffness_initial"].values[i, j]) for name, run in runs.items()
         }
         yield {"part": "initial stiffness", "quantity": quantity, **values}
-    for name, paths in _common(runs):
+    for name, paths in common.items():
         rules = kind_of(next(iter(paths.values())).attrs)
         unit, factor = LOAD_UNITS[rules.load]
         end = min(float(moved(path[rules.drives].values)[-1]) for path in paths.values())
@@ -84,9 +87,9 @@ def _loads(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
             yield {"part": f"path {name}", "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
 
 
-def _py(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
+def _py(common: Paths) -> Iterator[dict[str, Any]]:
     """Yield p of each run at equal y, by path and depth, up to the y that all reach."""
-    for name, paths in _common(runs):
+    for name, paths in common.items():
         first = next(iter(paths.values()))
         for k, depth in enumerate(first["depth"].values):
             curves = {}
@@ -105,9 +108,11 @@ def _py(runs: Mapping[str, Run]) -> Iterator[dict[str, Any]]:
 def _common(runs: Mapping[str, Run]) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
     """Yield the paths in one plane that all runs have."""
     first, *others = runs.values()
+    paths = {each: paths_of(run.result) for each, run in runs.items()}
+    names = [set(common_paths(first, other)) for other in others]
     for name, path in paths_of(first.result).items():
-        if not kind_of(path.dataset.attrs).space and all(name in common_paths(first, other) for other in others):
-            yield name, {each: paths_of(run.result)[name].dataset for each, run in runs.items()}
+        if not kind_of(path.dataset.attrs).space and all(name in each for each in names):
+            yield name, {each: own[name].dataset for each, own in paths.items()}
 
 
 def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
@@ -119,15 +124,14 @@ def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
     return write_text("\n".join(lines) + "\n", folder / table)
 
 
-def _page(folder: Path, runs: Mapping[str, Run], loads: pd.DataFrame) -> list[Path]:
+def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFrame) -> list[Path]:
     """Draw each path of all runs over each other, and write the page with these pictures and the table."""
     from pysprings.results.plots.files import save
     from pysprings.results.plots.two_runs import overlay
     from pysprings.results.report.page import Picture, page_html, picture_uri
 
     (folder / FIGURES).mkdir(exist_ok=True)
-    trees = {name: run.result for name, run in runs.items()}
-    files = [file for name, _ in _common(runs) for file in save(overlay(trees, name), folder / FIGURES / name)]
+    files = [file for name, paths in common.items() for file in save(overlay(paths, name), folder / FIGURES / name)]
     pictures = [Picture(f"path {file.stem}", picture_uri(file.read_bytes(), file.suffix)) for file in files]
     title = next(iter(runs.values())).result.attrs["title"]
     status = {name: str(run.record.status) for name, run in runs.items()}

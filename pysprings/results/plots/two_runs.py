@@ -12,7 +12,6 @@ import numpy as np
 from pysprings.core.path_kinds import driven
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import abscissa
-from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,12 +24,11 @@ NOISE = 1e-12  # deg, of a translation
 
 
 @style.styled
-def overlay(runs: Mapping[str, xr.DataTree], name: str) -> Figure:
-    """Draw one path of some results or springs by name over each other: load, rotation, and p-y at three depths."""
+def overlay(runs: Mapping[str, xr.Dataset], name: str) -> Figure:
+    """Draw one path as some runs recorded it, by name of the run: load, rotation, and p-y at three depths."""
     figure = style.new_figure(11.4, 4.2)
     left, middle, right = figure.subplots(1, 3)
-    for (run, tree), (colour, line) in zip(runs.items(), cycle(LOOKS), strict=False):
-        path = paths_of(tree)[name].dataset
+    for (run, path), (colour, line) in zip(runs.items(), cycle(LOOKS), strict=False):
         x, label = abscissa(path)
         load = {"u": "H", "w": "V", "rotation": "M"}[driven(path.attrs)]
         left.plot(x, 1e-3 * path[load].values, line, color=colour, label=style.plain(run))

@@ -65,12 +65,13 @@ def test_the_picture_has_the_curves_of_both(folders: tuple[Path, Path], tmp_path
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.analysis.two_runs import Run
     from pysprings.results.plots.two_runs import overlay
+    from pysprings.springs.path import paths_of
 
     done = command("diff", *folders, "--out", tmp_path / "both")
     assert done.out.splitlines()[-1] == str(tmp_path / "both" / "pull.png")
     assert (tmp_path / "both" / "pull.png").stat().st_size > 10_000
     runs = [Run(each.name, read_tree(each / "full_model.nc"), RunRecord()) for each in folders]
-    load, rotation, springs = overlay({each.name: each.result for each in runs}, "pull").axes
+    load, rotation, springs = overlay({each.name: paths_of(each.result)["pull"].dataset for each in runs}, "pull").axes
     for axes, name, scale in ((load, "H", 1e-3), (rotation, "rotation", 180.0 / np.pi)):
         curves = [line for line in axes.get_lines() if len(line.get_xdata()) > 2]
         for line, run in zip(curves, runs, strict=True):
