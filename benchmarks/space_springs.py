@@ -74,8 +74,8 @@ def scene_of(name: str, preset: str = "medium") -> Scene:
 def wind_and_waves(scene: Scene, loads: tuple[float, float]) -> xr.Dataset:
     """Return a path of the full model: H_x at 8 m that stays, then H_y at 4 m to and fro."""
     built = build_fourier(scene, whole=True)
-    newton = make_engine(scene, built, Clock()).newton
-    driver, collector = Driver(newton, State(built.model)), SpaceCollector(built, newton.system, False)
+    newton, dry = make_engine(scene, built, Clock()).newton, lambda _: np.zeros(len(built.model.stations))
+    driver, collector = Driver(newton, State(built.model)), SpaceCollector(built, newton.system.gaps, dry, False)
     wind, wave = loads[0] * np.eye(6)[0] + 8.0 * loads[0] * np.eye(6)[4], np.zeros(6)
     wave[1], wave[3] = loads[1], -4.0 * loads[1]
     collector.add(driver.state.committed, 0.0)

@@ -94,7 +94,7 @@ class RingStations(Stations):
 
 @dataclass(frozen=True)
 class RingFilm:
-    """Water between the soil and a rigid, impervious body: cos(k theta) around, linear along the line of its nodes.
+    """Water between the soil and a rigid, impervious body: a series around, linear along the line of its nodes.
 
     Flow along the film is integrated at points, each on the azimuth of a station whose gap holds there.
 
@@ -131,13 +131,14 @@ class RingFilm:
 class SeriesWater:
     """Pore water of the soil, and of the interface where there is a film; see model.Water.
 
-    Pressures are excess pressures, Pa: coefficients of cos(k theta) at the corners of the elements, then at film nodes.
+    Pressures are excess pressures, Pa: coefficients of cos(k theta), of the other family sin(k theta), at the corners
+    of the elements, then at film nodes.
 
     Attributes
     ----------
     mobility, storage, scale : see model.Water.
     fixed : (nc + nf,) bool, where the pressure keeps its initial value.
-    initial : (nc + nf, N + 1) Pa, at the start.
+    initial : (nc + nf, K) Pa, at the start.
     film : water in the interface, None where the interface holds none.
     wet : (ne,) bool, see model.Water.
     """
@@ -248,13 +249,13 @@ class FourierModel:
             film = self.water.film
             pressures = len(self.mesh.corners) + (0 if film is None else film.n_nodes)
             shapes["water.fixed"] = (self.water.fixed.shape, (pressures,))
-            shapes["water.initial"] = (self.water.initial.shape, (pressures, self.harmonics + 1))
+            shapes["water.initial"] = (self.water.initial.shape, (pressures, len(self.numbers)))
             if self.water.wet is not None:
                 shapes["water.wet"] = self.water.wet.shape, (ne,)
         for name, (got, expected) in shapes.items():
             if got != expected:
                 raise ModelError(f"{name} has shape {got}, expected {expected}")
-        if self.whole and (self.water is not None or (self.linear is not None and self.harmonics)):
-            raise ModelError("a series around the whole circle has neither water nor, beyond torsion, linear elements")
+        if self.whole and self.linear is not None and self.harmonics:
+            raise ModelError("a series around the whole circle has, beyond torsion, no linear elements")
         if self.azimuths < len(self.numbers):
             raise ModelError(f"{self.azimuths} azimuths cannot resolve {self.harmonics} harmonics: take more")

@@ -54,11 +54,10 @@ def pack_film(model: FourierModel) -> PackedFilm | None:
     if film is None:
         return None
     first = model.n_pressures - film.n_nodes
-    wave = elements.waves(model.stations.azimuth, model.harmonics)
+    wave = elements.waves(model.stations.azimuth, model.harmonics, model.whole)
     at = wave[film.station]
-    k = np.arange(model.harmonics + 1)
-    along = film.slope[:, :, None] * at[:, None, :, 0]  # dp/ds of cos(k theta)
-    around = film.over_radius[:, :, None] * (-k * at[..., 1])[:, None]  # (dp/dtheta)/r
+    along = film.slope[:, :, None] * at[:, None, :, 0]  # dp/ds of cos(k theta), or sin(k theta)
+    around = film.over_radius[:, :, None] * (-model.numbers * at[..., 1])[:, None]  # (dp/dtheta)/r
     return PackedFilm(
         film.soil[film.nodes].astype(np.int64), (first + film.nodes).astype(np.int64),
         film_areas(model.stations.area, film.wetted),

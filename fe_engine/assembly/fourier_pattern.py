@@ -146,12 +146,12 @@ def hold(stiffness: np.ndarray, held: np.ndarray, axis: np.ndarray) -> None:
         matrices.transpose(0, 2, 1)[still] = 0.0
 
 
-def held_pressures(fixed: np.ndarray, on_axis: np.ndarray, harmonics: int) -> np.ndarray:
+def held_pressures(fixed: np.ndarray, on_axis: np.ndarray, slots: int) -> np.ndarray:
     """Return whether each coefficient (np, K) is held, for pressures (np,) that are fixed and those on the axis.
 
-    On the axis those of k >= 1 are held.
+    On the axis those of k >= 1 are held: all slots but the first.
     """
-    held = np.repeat(fixed[:, None], harmonics + 1, axis=1)
+    held = np.repeat(fixed[:, None], slots, axis=1)
     held[on_axis, 1:] = True
     return held
 
@@ -169,7 +169,7 @@ def make_pattern(model: FourierModel) -> FourierPattern:
     interface = np.ravel_multi_index((retained[at], i, k), held.shape)
     node = model.pressure_nodes
     fixed = np.zeros(0, dtype=bool) if model.water is None else model.water.fixed
-    still = held_pressures(fixed, axis[node], model.harmonics)
+    still = held_pressures(fixed, axis[node], len(model.numbers))
     film = ~still
     film[: len(model.mesh.corners)] = False
     film_place = np.full(still.shape, -1)

@@ -115,7 +115,7 @@ class WetSoil:
         self.n_soil, self.waves = water.n_soil, pattern.held.shape[2]
         self.free = ~pattern.pressure_held
         self.sealed = self.free.copy()  # where nothing is held but in dry soil, and what has to vanish on the axis
-        self.sealed[: self.n_soil] = ~held_pressures(water.dry, on_axis, self.waves - 1)
+        self.sealed[: self.n_soil] = ~held_pressures(water.dry, on_axis, self.waves)
         self.film_place = pattern.film_place[self.n_soil :]
         self.size = len(pattern.interface)
         coupling = folding(pattern) @ water.coupling[: pattern.n_moving, : self.n_soil * self.waves]
@@ -321,7 +321,7 @@ def _diagonal(values: np.ndarray) -> csr_matrix:
 def folding(pattern: FourierPattern) -> csr_matrix:
     """Return the matrix of `FourierPattern.folded`: forces on all coefficients to those that are free."""
     equation = np.arange(pattern.held.size).reshape(pattern.held.shape)
-    r, t = (equation[pattern.axis, i, 1:2].ravel() for i in (0, 1))
+    r, t = (equation[pattern.axis, i][:, pattern.ones].ravel() for i in (0, 1))
     n = equation.ravel()
     row, column = np.concatenate([n, r]), np.concatenate([n, t])
     value = np.concatenate([np.ones(len(n)), -np.ones(len(r))])

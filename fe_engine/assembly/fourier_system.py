@@ -310,22 +310,24 @@ class FourierSystem:
         n = self.pattern.n_moving
         node = int(self._nodes_of(np.array([equation]))[0]) if equation < n + self._n_soil_water else -1
         if node < 0:
-            film, k = divmod(equation - n - self._n_soil_water, self.model.harmonics + 1)
+            film, k = divmod(equation - n - self._n_soil_water, len(self.model.numbers))
+            k = int(self.model.numbers[k])
             return f"film node {film}, harmonic {k}"
         r, z = self.model.mesh.nodes[node]
         mine = (self.model.mesh.quads == node).any(axis=1)
         element = f"element {int(np.argmax(mine))}" if mine.any() else "a linear element"
         if equation >= n:
-            k, what = (equation - n) % (self.model.harmonics + 1), "pore pressure"
+            k, what = (equation - n) % len(self.model.numbers), "pore pressure"
         else:
             _, component, k = (int(i) for i in np.unravel_index(equation, self.model.displacement_shape))
-            k, what = self.model.numbers[k], f"direction {('r', 'theta', 'z')[component]}"
+            what = f"direction {('r', 'theta', 'z')[component]}"
+        k = int(self.model.numbers[k])
         return f"node {node} of {element}, harmonic {k}, {what}, at r={r:.3f}, z={z:.3f} m"
 
     @property
     def _n_soil_water(self) -> int:
         """Number of equations of the soil's pressures."""
-        return 0 if self.water is None else self.water.n_soil * (self.model.harmonics + 1)
+        return 0 if self.water is None else self.water.n_soil * len(self.model.numbers)
 
     def _nodes_of(self, equations: np.ndarray) -> np.ndarray:
         """Return nodes of the section that equations of displacements and of the soil's pressures belong to."""

@@ -35,7 +35,7 @@ class FourierWater:
     def __init__(self, model: FourierModel, contact: Contact) -> None:
         assert model.water is not None
         self.model, self.water, self.contact = model, model.water, contact
-        mesh, self._waves = model.mesh, model.harmonics + 1
+        mesh, self._waves = model.mesh, len(model.numbers)
         self.film = fourier_film.pack_film(model)
         self.n_soil = len(mesh.corners)
         self._quads = mesh.quads
@@ -44,7 +44,8 @@ class FourierWater:
         if self.water.wet is not None:
             self.dry[:] = True
             self.dry[self._corner[self.water.wet]] = False
-        parts = pore_matrices(mesh.nodes, mesh.quads, model.harmonics, self.water.mobility, self.water.storage)
+        matter = self.water.mobility, self.water.storage
+        parts = pore_matrices(mesh.nodes, mesh.quads, model.harmonics, *matter, model.whole)
         parts = parts.only(self.water.wet)
         self._seepage, self._swelling = parts.seepage, parts.coupling.sum(axis=-1)
         k = np.arange(self._waves)[:, None, None]

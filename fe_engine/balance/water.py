@@ -134,7 +134,7 @@ class _Bricks:
 
 
 class _Series:
-    """See `_Volumes`; coefficients (np, K) of the volumes of half a revolution: those of k = 0 are the whole of it."""
+    """See `_Volumes`; coefficients (np, K) of volumes of a revolution, or half: those of k = 0 are the whole of it."""
 
     def __init__(self, system: FourierSystem) -> None:
         assert system.water is not None
@@ -142,9 +142,9 @@ class _Series:
         model = system.model
         self.area_vectors = np.zeros(model.displacement_shape)
         vectors = section_area_vectors(model.mesh.nodes, model.mesh.quads[_wet(self.wet.water.wet)])
-        self.area_vectors[:, 0, 0], self.area_vectors[:, 2, 0] = np.pi * vectors.T
-        k, m = np.arange(model.harmonics + 1), 2 * (model.harmonics + 1)
-        wave = fourier.waves(fourier.azimuths(m), model.harmonics)[..., 0]
+        self.area_vectors[:, 0, 0], self.area_vectors[:, 2, 0] = fourier.span(model.whole) * vectors.T
+        k, m = model.numbers, 2 * len(model.numbers)
+        wave = fourier.waves(fourier.azimuths(m, model.whole), model.harmonics, model.whole)[..., 0]
         self._around = wave * np.where(k == 0, 1.0, 2.0) / m  # volumes of m sectors from those of harmonics
 
     def compressed(self, change: np.ndarray) -> float:

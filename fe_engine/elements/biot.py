@@ -27,7 +27,8 @@ the bilinear functions L_a of the corners, harmonic by harmonic,
     water that leaves a      Q^T du + S M dP + dt H P = 0,   M = c int L_a L_b r dr dz       (backward Euler)
     H = (k/gamma_w) int (c L_a,r L_b,r + c L_a,z L_b,z + s k^2 L_a L_b/r^2) r dr dz
 
-over half a revolution: c = pi, s = 0 for k = 0, else c = s = pi/2. Pressures of k >= 1 vanish on the axis.
+over half a revolution: c = pi, s = 0 for k = 0, else c = s = pi/2. Pressures of k >= 1 vanish on the axis. Over a whole
+revolution c and s are twice as large, and the other family, p = sum P_k sin(k theta), has the same matrices.
 """
 
 from __future__ import annotations
@@ -97,7 +98,7 @@ def make_pores(
 
 @dataclass(frozen=True)
 class PoreMatrices:
-    """Matrices of the elements, for K = N + 1 harmonics.
+    """Matrices of the elements, for the K slots of a series.
 
     coupling : (K, ne, 24, 4) Q in m2; seepage : (K, ne, 4, 4) H in m3/(Pa s); storage : (K, ne, 4, 4) S M in m3/Pa.
     """
@@ -123,9 +124,9 @@ def corner_gradients(nodes: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 
 def pore_matrices(
-    nodes: np.ndarray, quads: np.ndarray, harmonics: int, mobility: Values, storage: float
+    nodes: np.ndarray, quads: np.ndarray, harmonics: int, mobility: Values, storage: float, whole: bool = False
 ) -> PoreMatrices:
-    """Integrate the matrices.
+    """Integrate the matrices; over the whole circle they are twice those over half of it, and those of both families.
 
     Parameters
     ----------
@@ -139,11 +140,13 @@ def pore_matrices(
     mass = np.einsum("eg,ga,gb->eab", volume, value, value)
     around = np.einsum("eg,ga,gb->eab", volume / radius**2, value, value)
     coupling, seepage, stored = [], [], []
+    angle = fourier.span(whole)
     for k in range(harmonics + 1):
-        c, s = (np.pi, 0.0) if k == 0 else (0.5 * np.pi, 0.5 * np.pi)  # int cos^2 and int sin^2 of k theta over 0 .. pi
+        c, s = (angle, 0.0) if k == 0 else (0.5 * angle, 0.5 * angle)  # int cos^2 and int sin^2 of k theta
         swelling = fourier.strain_operator(gradient, k)[..., :3, :].sum(axis=-2)  # E_rr + E_tt + E_zz
         coupling.append(c * np.einsum("eg,egr,ga->era", volume, swelling, value, optimize=True))  # Q
         # H, Darcy along r, z and theta
         seepage.append(np.reshape(mobility, (-1, 1, 1)) * (c * along + s * k * k * around))
         stored.append(storage * c * mass)  # S M
-    return PoreMatrices(np.array(coupling), np.array(seepage), np.array(stored))
+    slots = fourier.numbers(harmonics, whole)
+    return PoreMatrices(*(np.array(each)[slots] for each in (coupling, seepage, stored)))

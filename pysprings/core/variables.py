@@ -248,6 +248,8 @@ _SPACE_PATH = {name: _AXES[name] for name in ("depth", "depth_bounds", "side")} 
       "positive along a growing azimuth", required=False),
     V("shear_vertical", "vertical (z) traction of the caisson on the soil", "Pa", _FIELD, "positive down",
       required=False),
+    V("pore_pressure", "excess pore pressure in the interface", "Pa", _FIELD,
+      "compression positive, over hydrostatic", required=False),
     V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive", required=False),
 )
 

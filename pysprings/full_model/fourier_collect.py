@@ -195,14 +195,18 @@ class SpaceCollector:
     """Gathers one row per converged step of a path that leaves a plane, as `collect.Collector` does.
 
     Axes are those of the field: x, y to its left seen from above, rotations and moments right-handed with z up; w, V
-    and depth are positive down. The engine has y to the right of x. ``gaps`` returns those of the stations in a state.
+    and depth are positive down. The engine has y to the right of x. ``gaps`` returns those of the stations in a state,
+    ``water`` the pressure of the film there (ns,) [Pa], on the whole area.
     """
 
-    cavitation = None  # no water
+    cavitation = None  # a scene with a water depth is refused
 
-    def __init__(self, built: BuiltFourier, gaps: Callable[[Fields], np.ndarray], fields: bool) -> None:
-        self.gaps, self.keep_fields = gaps, fields
-        self.stations, n = built.model.stations, len(built.azimuth)
+    def __init__(
+        self, built: BuiltFourier, gaps: Callable[[Fields], np.ndarray], water: Callable[[Fields], np.ndarray],
+        fields: bool,
+    ) -> None:  # fmt: skip
+        self.gaps, self.water, self.keep_fields = gaps, water, fields
+        self.stations, n, self.wet = built.model.stations, len(built.azimuth), built.model.water is not None
         self.slices = slices_of_elements(built.section.depth)
         field = np.mod(-built.azimuth, 2.0 * np.pi)
         self._order = np.argsort(field)
@@ -214,8 +218,8 @@ class SpaceCollector:
     def add(self, state: Fields, time: float, converged: bool = True) -> None:
         """Record a state; ``converged`` marks it."""
         stations = self.stations
-        traction = np.einsum("sij,si->sj", stations.frame, state.traction)
-        force = -stations.area[:, None] * traction
+        traction, water = np.einsum("sij,si->sj", stations.frame, state.traction), self.water(state)
+        force = -stations.area[:, None] * (traction - stations.frame[:, 0] * water[:, None])
         loads = np.einsum("sij,si->j", stations.body, force)  # R^T f
         row: dict[str, Any] = {"time": time, "converged": np.int8(converged)}
         row |= dict(zip(MOTIONS, map(float, state.border), strict=True)) | dict(
@@ -223,7 +227,7 @@ class SpaceCollector:
         )
         row |= self._by_depth(force)
         if self.keep_fields:
-            row |= self._wall_fields(state, traction)
+            row |= self._wall_fields(state, traction, water)
         self.rows.append(row)
 
     def _by_depth(self, force: np.ndarray) -> dict[str, np.ndarray]:
@@ -238,7 +242,7 @@ class SpaceCollector:
             for name, part in parts.items()
         }
 
-    def _wall_fields(self, state: Fields, traction: np.ndarray) -> dict[str, np.ndarray]:
+    def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields on both walls (side, azimuth, depth): means of the slices."""
         angle = self.stations.azimuth
         by_station = {
@@ -246,7 +250,7 @@ class SpaceCollector:
             "shear_around": np.cos(angle) * traction[:, 1] - np.sin(angle) * traction[:, 0],
             "shear_vertical": -traction[:, 2],
             "gap": self.gaps(state),
-        }
+        } | ({"pore_pressure": water} if self.wet else {})
         return {
             name: np.stack([means_of_elements(values[ring])[self._order] for ring in self.rings])
             for name, values in by_station.items()

@@ -69,6 +69,8 @@ def path_stages(
     if path.in_space:
         start = _first_strain(scene) * scene.caisson.outer_diameter
         stages = space_stages(scene, path, extra_load, balanced, start)
+        if scene.drainage.mode == "undrained":
+            stages = [replace(stage, duration=undrained_time) for stage in stages]
     else:
         stages = _stages(scene, path, extra_load, undrained_time)
         stages += _further(scene, path, stages[-1], undrained_time, balanced)
@@ -85,7 +87,7 @@ def fast_paths(scene: Scene, mesh: Mesh | SectionMesh) -> list[str]:
     if scene.drainage.mode != "coupled":
         return []
     crossing = mudline_time(scene, mesh)
-    lasting = {path.name: sum(stage.duration for stage in path_stages(scene, path, 0.0)) for path in scene.load_paths}
+    lasting = {path.name: sum(stage.duration for stage in path_stages(scene, path, 0.0)) for path in scene.all_paths}
     fast = [f"'{name}' ({time:.2g} s)" for name, time in lasting.items() if 0.0 < time < crossing]
     if not fast:
         return []

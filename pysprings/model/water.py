@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.elements import biot, interface
+from fe_engine.elements import fourier as elements
 from fe_engine.elements.interface import Film, Stations
 from fe_engine.fourier_model import RingFilm, RingStations, SectionMesh, SeriesWater
 from fe_engine.mesh import Mesh
@@ -59,13 +60,16 @@ def beside_steel(water: Water, n: int, k: int) -> Water:
 
 
 def make_series_water(
-    scene: Scene, section: CaissonSection, stations: RingStations, harmonics: int
+    scene: Scene, section: CaissonSection, stations: RingStations, harmonics: int, whole: bool = False
 ) -> SeriesWater | None:
-    """Return the water of the scene on a section; None where it is drained."""
+    """Return the water of the scene on a section, around half a circle or the whole one; None where it is drained."""
     if scene.drainage.mode == "drained":
         return None
     mesh, depth = section.mesh, _section_depths(scene, section)
-    film, edge = _ring_film(scene, section, stations), mesh.nodes[mesh.quads[:, 2]] - mesh.nodes[mesh.quads[:, 0]]
+    film, edge = (
+        _ring_film(scene, section, stations, elements.span(whole)),
+        mesh.nodes[mesh.quads[:, 2]] - mesh.nodes[mesh.quads[:, 0]],
+    )
     fixed = drained_corners(scene, section)
     fixed = np.concatenate([fixed, fixed_film(scene, section, fixed)])
     wet, shear = _wet(scene, depth), _moduli(scene, depth)[1]
@@ -73,7 +77,7 @@ def make_series_water(
         mobility=mobility(scene, depth),
         storage=_storage(scene),
         fixed=fixed,
-        initial=np.zeros((len(fixed), harmonics + 1)),
+        initial=np.zeros((len(fixed), len(elements.numbers(harmonics, whole)))),
         scale=float(np.median(shear if wet is None else shear[wet]) / np.median(np.linalg.norm(edge, axis=1))),
         film=film,
         wet=wet,
@@ -130,8 +134,10 @@ def film_corners(section: CaissonSection) -> np.ndarray:
     return np.unique(np.concatenate([line[::2] for line in section.lines.values()]))
 
 
-def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) -> RingFilm:
-    """Return one film from mudline outside round the tip to the lid; its nodes are corners of the section.
+def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations, span: float) -> RingFilm:
+    """Return one film from mudline outside round the tip to the lid, through the angle ``span`` (rad).
+
+    Its nodes are corners of the section.
 
     Pieces of it beside soil that holds no water have no film.
     """
@@ -148,7 +154,7 @@ def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations) ->
         at = place[stations.nodes[mine, 0]]
         nodes[mine] = number[np.stack([line[at - at % 2], line[at + at % 2]], axis=1)]
         wetted[mine] = _wet_share(mesh, line, wet[name])[at]
-        parts.append(_flow_points(mesh, wet[name], np.flatnonzero(mine), place, stations))
+        parts.append(_flow_points(mesh, wet[name], np.flatnonzero(mine), place, stations, span))
     ends, station, slope, over_radius, area = (np.concatenate(part) for part in zip(*parts, strict=True))
     return RingFilm(
         soil=mesh.corner_numbers(corner),
@@ -178,7 +184,7 @@ def _wet_share(mesh: SectionMesh, line: np.ndarray, pieces: np.ndarray) -> np.nd
 
 
 def _flow_points(
-    mesh: SectionMesh, pieces: np.ndarray, mine: np.ndarray, place: np.ndarray, stations: RingStations
+    mesh: SectionMesh, pieces: np.ndarray, mine: np.ndarray, place: np.ndarray, stations: RingStations, span: float
 ) -> tuple[np.ndarray, ...]:
     """Return the points of the film along pieces (m, 3) of a line: on its nodes (Simpson), at every station's azimuth.
 
@@ -203,7 +209,7 @@ def _flow_points(
                 station.append(each)
                 slope.append((-1.0 / length, 1.0 / length))
                 over_radius.append(share / radius)
-                area.append(weight * length * radius * np.pi / len(azimuths))
+                area.append(weight * length * radius * span / len(azimuths))
     shapes = (2,), (), (2,), (2,), ()
     parts = zip((ends, station, slope, over_radius, area), shapes, (int, int, float, float, float), strict=True)
     return tuple(np.array(values, dtype=kind).reshape(-1, *shape) for values, shape, kind in parts)

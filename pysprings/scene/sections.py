@@ -290,12 +290,13 @@ class Path(Section):
     H = R cos(load_angle) and M = R D sin(load_angle), D the outer diameter, and `lateral_displacement` is conjugate to
     it, u cos(load_angle) + rotation D sin(load_angle); like a load it ends where the caisson has moved by 10 % of D or
     turned by 5 deg; with `torsion_angle` b, H and M are these times cos(b) and T = R D sin(b). vertical: the lid centre
-    moves down (or up: pull-out), u and rotation are held at zero. `direction` turns a path in one plane about the axis.
-    Paths that leave a plane (drained or total stress, rigid caisson, series) check springs only: twist: the caisson
-    turns about its axis, all else is free. circle: the lid centre moves by `radius` in `direction` and then once
-    round, from +x towards +y, without rotation. motion: u_x, u_y, rot_x, rot_y and rot_z grow in proportion, those
-    not given are held. load with H_x, H_y, V, M_x, M_y, T: these grow in proportion; V from the dead load. "12 mm
-    towards 90 deg" in `then` moves the lid centre of a pull (T is 0) or translation (no rotation) on by 12 mm.
+    moves down (or up: pull-out), u and rotation are held at zero. `direction` turns a path in one plane about the
+    axis. Paths that leave a plane (rigid caisson, series; with water each part takes its `duration` or time) check
+    springs only: twist: the caisson turns about its axis, all else is free. circle: the lid centre moves by
+    `radius` in `direction` and then once round, from +x towards +y, without rotation. motion: u_x, u_y, rot_x,
+    rot_y and rot_z grow in proportion, those not given are held. load with H_x, H_y, V, M_x, M_y, T: these grow in
+    proportion; V from the dead load. "12 mm towards 90 deg" in `then` moves the lid centre of a pull (T is 0) or
+    translation (no rotation) on by 12 mm.
     `vertical_load` is the dead load of this path alone. `report_at` lists values of the imposed quantity where a
     converged step must land. `then` goes on from the end value: "rest 2 hour" holds what is imposed, "20 mm at 0.5
     mm/s" and "0 mm in 10 min" lead on to another value; a load goes on to "1 MN, 4 MN m" (H and M), a swipe to "5

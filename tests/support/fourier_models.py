@@ -106,7 +106,7 @@ def wet(model: FourierModel, film: bool = True, **changes: float) -> FourierMode
     under = ring_film(model, given["aperture"], given["transfer"]) if film else None
     if under is not None:
         fixed = np.concatenate([fixed, np.zeros(under.n_nodes, dtype=bool)])
-    initial = np.zeros((len(fixed), model.harmonics + 1))
+    initial = np.zeros((len(fixed), len(model.numbers)))
     water = SeriesWater(given["mobility"], given["storage"], fixed, initial, 2.0e8, under)
     return replace(model, water=water)
 
@@ -126,7 +126,9 @@ def ring_film(model: FourierModel, aperture: float, transfer: float) -> RingFilm
             station.append(k)
             slope.append((-1.0 / length, 1.0 / length))
             over_radius.append(np.array([1.0 - 0.5 * i, 0.5 * i]) / radius)
-            area.append((1.0, 4.0, 1.0)[i] / 6.0 * length * radius * np.pi / len(np.unique(s.azimuth)))
+            area.append(
+                (1.0, 4.0, 1.0)[i] / 6.0 * length * radius * elements.span(model.whole) / len(np.unique(s.azimuth))
+            )
     return RingFilm(
         mesh.corner_numbers(corner), np.stack([place // 2, (place + 1) // 2], axis=1), np.full((len(s), 2), 0.5),
         np.array(station), np.array(ends), np.array(slope), np.array(over_radius), np.array(area),

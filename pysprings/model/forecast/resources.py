@@ -139,10 +139,11 @@ def _series_size(scene: Scene) -> Size:
 def _series_pressures(scene: Scene, section: CaissonSection, harmonics: int) -> tuple[int, int]:
     """Return the unknown pressures of the soil and of the film of a Fourier model."""
     mesh, fixed = section.mesh, drained_corners(scene, section)
-    held = held_pressures(fixed, mesh.on_axis[mesh.corners], harmonics)
+    slots = harmonics + 1
+    held = held_pressures(fixed, mesh.on_axis[mesh.corners], slots)
     film = fixed_film(scene, section, fixed)
     on_axis = mesh.on_axis[film_corners(section)]
-    return int(np.count_nonzero(~held)), int(np.count_nonzero(~held_pressures(film, on_axis, harmonics)))
+    return int(np.count_nonzero(~held)), int(np.count_nonzero(~held_pressures(film, on_axis, slots)))
 
 
 def model_bytes(scene: Scene, symmetric: bool = False) -> float:

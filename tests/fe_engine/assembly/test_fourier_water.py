@@ -17,7 +17,6 @@ from tests.support.fourier_models import disc, moved, on_plate, random_move, run
 from tests.support.models import replace, stage
 
 SOFT = (1.0e8, 5.0e7, 0.02)
-FREE = np.zeros((0, 3)), np.zeros((3, 0)), np.zeros(0)
 TIME = 3.0  # s
 
 
@@ -25,18 +24,23 @@ def together(residual):
     return np.concatenate([residual.free, residual.border])
 
 
-@pytest.mark.parametrize(("seed", "body"), [(0, lambda model: model), (1, lambda model: model), (0, on_plate)])
+@pytest.mark.parametrize(("seed", "whole", "body"), [
+    (0, False, lambda model: model), (1, False, lambda model: model), (0, True, lambda model: model),
+    (0, False, on_plate),
+])  # fmt: skip
 @pytest.mark.parametrize("law", ["plastic", "elastic"])
-def test_a_step_is_newtons(seed, body, law):
+def test_a_step_is_newtons(seed, whole, body, law):
     """Along the step s of a free border the residual falls as (1 - h) R + O(h2): solver and tangent, in one."""
     soil = {"law": elastic.LAW} if law == "elastic" else {}
-    system, state, rng = moved(wet(body(disc(2, contact=SOFT, skew=True, pressure=4.0e3, **soil))), seed, TIME)
+    model = wet(body(disc(2, contact=SOFT, skew=True, pressure=4.0e3, whole=whole, **soil)))
+    (system, state, rng), nb = moved(model, seed, TIME), model.n_border
     at = random_move(system, rng)
     system.apply(state, *at)
     assert np.all(system.gaps(state.trial) > 0.0) == (seed == 1)
     judged, linear, tangent = system.linearise(state, True)
     stage_ = FourierStage(system)
-    step = stage_.step(linear, tangent, Balance(*FREE, linear.border, np.ones(3)), 1e-10, True)
+    free = np.zeros((0, nb)), np.zeros((nb, 0)), np.zeros(0)
+    step = stage_.step(linear, tangent, Balance(*free, linear.border, np.ones(nb)), 1e-10, True)
     assert (stage_.n_iterations == 0) == (law == "elastic")
     sizes = 10.0 ** -np.arange(2.5, 4.5, 0.5)
     left = []
@@ -45,7 +49,7 @@ def test_a_step_is_newtons(seed, body, law):
         left.append(together(system.residual(state)) - (1.0 - h) * together(judged))
     orders = []
     for part in (~system.is_pressure, system.is_pressure):
-        norms = np.array([np.linalg.norm(each[:-3][part]) for each in left])
+        norms = np.array([np.linalg.norm(each[:-nb][part]) for each in left])
         if norms.max() > 1e-12 * np.linalg.norm(together(judged)):  # else the rows are linear
             orders.append(np.polyfit(np.log(sizes), np.log(norms), 1)[0])
     assert len(orders) >= 1 and min(orders) > 1.9
