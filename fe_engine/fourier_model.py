@@ -156,8 +156,8 @@ class SeriesWater:
 class LinearRings:
     """Elements of constant stiffness beside the soil's; their displacement 0 is without stress.
 
-    quads : (nl, 8) nodes, which stand behind the soil's; stiffness : (N + 1, nl, 24, 24) of each harmonic over half a
-    circle, N/m; see elements.fourier.stiffness.
+    quads : (nl, 8) nodes, which stand behind the soil's; stiffness : (K, nl, 24, 24) of each slot over the revolution
+    of the series, N/m; see elements.fourier.stiffness.
     """
 
     quads: np.ndarray
@@ -242,7 +242,7 @@ class FourierModel:
         }
         if self.linear is not None:
             matrix = 3 * elements.N_NODES
-            matrices = self.harmonics + 1, len(self.linear.quads), matrix, matrix
+            matrices = len(self.numbers), len(self.linear.quads), matrix, matrix
             shapes["linear.stiffness"] = (self.linear.stiffness.shape, matrices)
         shapes |= material_shapes(self) | contact_shapes(self)
         if self.water is not None:
@@ -255,7 +255,5 @@ class FourierModel:
         for name, (got, expected) in shapes.items():
             if got != expected:
                 raise ModelError(f"{name} has shape {got}, expected {expected}")
-        if self.whole and self.linear is not None and self.harmonics:
-            raise ModelError("a series around the whole circle has, beyond torsion, no linear elements")
         if self.azimuths < len(self.numbers):
             raise ModelError(f"{self.azimuths} azimuths cannot resolve {self.harmonics} harmonics: take more")

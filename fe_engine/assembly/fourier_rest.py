@@ -223,7 +223,7 @@ class LinearElements:
 
     def __init__(self, model: FourierModel, pattern: FourierPattern) -> None:
         assert model.linear is not None
-        waves, quads, size = model.harmonics + 1, model.linear.quads, pattern.n_moving
+        waves, quads, size = len(model.numbers), model.linear.quads, pattern.n_moving
         self.first = int(pattern.held[: model.n_soil].size)
         at = (3 * quads[:, :, None] + np.arange(3)).reshape(len(quads), -1) * waves
         at = at + np.arange(waves)[:, None, None]

@@ -197,7 +197,7 @@ def add_steel(model: FourierModel, steel: SteelRings, young: float, poisson: flo
     stations, (mesh, fixed) = model.stations, with_rings(model.mesh, model.fixed, steel)
     gradient, volume = elements.geometry(mesh.nodes, steel.quads)
     tangent = np.broadcast_to(elastic_matrix(young, poisson), (*volume.shape, 6, 6))
-    stiffness = [elements.stiffness(gradient, volume, tangent, k, model.whole) for k in range(model.harmonics + 1)]
+    matrices = [elements.stiffness(gradient, volume, tangent, k, model.whole) for k in range(model.harmonics + 1)]
     nodes = np.hstack([stations.nodes, steel.partner[stations.nodes]])
     weight = np.hstack([stations.weight, -stations.weight])
     return replace(
@@ -205,5 +205,5 @@ def add_steel(model: FourierModel, steel: SteelRings, young: float, poisson: flo
         mesh=mesh,
         fixed=fixed,
         stations=replace(stations, nodes=nodes, weight=weight),
-        linear=LinearRings(steel.quads, np.array(stiffness)),
+        linear=LinearRings(steel.quads, np.array(matrices)[model.numbers]),
     )

@@ -297,7 +297,7 @@ def space_clashes(scene: SceneSections) -> Iterator[Clash]:
     for index, path in enumerate(scene.paths):
         if path.in_space:
             here: KeyPath = ("path", index)
-            for key, text in off_plane_refusals(scene, water=True):
+            for key, text in off_plane_refusals(scene, whole=True):
                 yield Clash((here, key), f"path '{path.name}' leaves the plane of one load: {text}")
     if scene.springs.reach is not None and scene.springs.directions:
         if not scene.springs.memory:
@@ -307,18 +307,18 @@ def space_clashes(scene: SceneSections) -> Iterator[Clash]:
             yield Clash((("springs", "directions"), key), f"its paths leave the plane of one load: {text}")
 
 
-def off_plane_refusals(scene: SceneSections, water: bool = False) -> Iterator[tuple[KeyPath, str]]:
+def off_plane_refusals(scene: SceneSections, whole: bool = False) -> Iterator[tuple[KeyPath, str]]:
     """Yield what of a scene's model carries no path that leaves the plane of one load: key, and why.
 
-    ``water``: whether pore water may take part.
+    ``whole``: whether pore water and an elastic caisson may take part, which springs in space were not tried with.
     """
     if scene.discretisation != "fourier":
         yield ("mesh", "discretisation"), 'bricks have half of a caisson; it needs mesh.discretisation = "fourier"'
-    if water and scene.drainage.mode != "drained" and scene.drainage.water_depth is not None:
+    if whole and scene.drainage.mode != "drained" and scene.drainage.water_depth is not None:
         yield ("drainage", "water_depth"), "cavitation is not looked for there: leave the water depth out"
-    if not water and scene.drainage.mode != "drained":
+    if not whole and scene.drainage.mode != "drained":
         yield ("drainage", "mode"), 'it needs drainage.mode = "drained" (undrained clay: law "tresca" or "von-mises")'
-    if scene.caisson.behaviour != "rigid":
+    if not whole and scene.caisson.behaviour != "rigid":
         yield ("caisson", "behaviour"), 'it needs caisson.behaviour = "rigid"'
     if scene.output.paraview:
         yield ("output", "paraview"), "output.paraview writes the half of a caisson"

@@ -291,7 +291,7 @@ class Path(Section):
     it, u cos(load_angle) + rotation D sin(load_angle); like a load it ends where the caisson has moved by 10 % of D or
     turned by 5 deg; with `torsion_angle` b, H and M are these times cos(b) and T = R D sin(b). vertical: the lid centre
     moves down (or up: pull-out), u and rotation are held at zero. `direction` turns a path in one plane about the
-    axis. Paths that leave a plane (rigid caisson, series; with water each part takes its `duration` or time) check
+    axis. Paths that leave a plane (series; with water each part takes its `duration` or time) check
     springs only: twist: the caisson turns about its axis, all else is free. circle: the lid centre moves by
     `radius` in `direction` and then once round, from +x towards +y, without rotation. motion: u_x, u_y, rot_x,
     rot_y and rot_z grow in proportion, those not given are held. load with H_x, H_y, V, M_x, M_y, T: these grow in

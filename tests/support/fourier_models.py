@@ -86,13 +86,13 @@ def on_plate(model: FourierModel, young: float = 1.0e9, thickness: float = 0.1) 
     held = (plate.nodes[:, 0] <= 0.5 * r[-1])[:, None] & np.ones(3, dtype=bool)
     gradient, volume = elements.geometry(plate.nodes, plate.quads)
     tangent = np.broadcast_to(elastic.elastic_matrix(young, 0.3), (*volume.shape, 6, 6))
-    stiffness = np.array([elements.stiffness(gradient, volume, tangent, k) for k in range(model.harmonics + 1)])
+    matrices = [elements.stiffness(gradient, volume, tangent, k, model.whole) for k in model.numbers]
     under = np.array([n + np.argmin(np.abs(plate.nodes - nodes[k]).sum(axis=1)) for k in s.nodes[:, 0]])
     assert np.abs(nodes[under] - nodes[s.nodes[:, 0]]).max() < 1e-12
     stations = replace(s, nodes=np.stack([s.nodes[:, 0], under], axis=1), weight=np.tile([1.0, -1.0], (len(s), 1)))
     return replace(
         model, mesh=replace(soil_nodes, nodes=nodes), fixed=np.concatenate([model.fixed, held]), stations=stations,
-        linear=LinearRings(n + plate.quads, stiffness),
+        linear=LinearRings(n + plate.quads, np.array(matrices)),
     )  # fmt: skip
 
 

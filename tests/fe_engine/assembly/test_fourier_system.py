@@ -127,7 +127,7 @@ def _elastic_soils(model):
 
 @pytest.mark.parametrize(("harmonics", "seed", "whole", "body"), [
     *((*each, False, body) for body in (lambda model: model, on_plate) for each in ((0, 3), (1, 2), (2, 0))),
-    *((*each, True, lambda model: model) for each in ((0, 2), (1, 1), (2, 4))),
+    *((*each, True, lambda model: model) for each in ((0, 2), (1, 1), (2, 4))), (2, 4, True, on_plate),
 ])  # fmt: skip
 def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed, whole, body):
     model = body(disc(harmonics, contact=SOFT, skew=True, whole=whole))
@@ -147,7 +147,7 @@ def test_residual_and_tangent_equal_the_plain_loop(harmonics, seed, whole, body)
 
 @pytest.mark.parametrize(("seed", "relaxed", "whole", "body"), [
     (0, 1.0, False, lambda model: model), (1, 1.0, False, on_plate), (1, 0.3, False, lambda model: model),
-    (1, 1.0, True, lambda model: model),
+    (1, 1.0, True, lambda model: model), (1, 1.0, True, on_plate),
 ])  # fmt: skip
 def test_the_tangent_is_consistent(seed, relaxed, whole, body):
     model = body(disc(2, contact=SOFT, skew=True, whole=whole))

@@ -26,7 +26,7 @@ def together(residual):
 
 @pytest.mark.parametrize(("seed", "whole", "body"), [
     (0, False, lambda model: model), (1, False, lambda model: model), (0, True, lambda model: model),
-    (0, False, on_plate),
+    (0, False, on_plate), (0, True, on_plate),
 ])  # fmt: skip
 @pytest.mark.parametrize("law", ["plastic", "elastic"])
 def test_a_step_is_newtons(seed, whole, body, law):

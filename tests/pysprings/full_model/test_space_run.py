@@ -209,6 +209,25 @@ def test_a_push_in_wet_soil_is_that_of_the_half_model_in_any_direction(mode):
     assert abs(known[0] / float(dry["H"][-1]) - 1.0) > 2e-3  # the water counts
 
 
+def test_a_thin_caisson_bends_alike_in_any_direction():
+    """Turned by 37 degrees within 0.15 %; beside the half model 0.5 %. Ten times softer than steel it carries less."""
+    path = {"name": "push", "kind": "motion", **HELD}
+    soft = {"mesh": WATER["mesh"], "caisson": {"behaviour": "elastic", "young_modulus": 20e9, "skirt_thickness": 0.03}}
+    given = {"kind": "translation", "lateral_displacement": 2e-3}
+    half, rigid = (compute(scene(path | given, **soft | more)).recorded()["paths/push"].to_dataset().isel(step=-1)
+                   for more in ({}, {"caisson": {"skirt_thickness": 0.03}}))  # fmt: skip
+    found = []
+    for angle in (0.0, 37.0):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        motion = {"u_x": 2e-3 * c} | ({"u_y": 2e-3 * s} if s else {})
+        end = compute(scene(path | motion, **soft)).recorded()["space/push"].to_dataset().isel(step=-1)
+        assert abs(float(c * end["H_y"] - s * end["H_x"])) < 2e-3 * float(half["H"])
+        found.append((float(c * end["H_x"] + s * end["H_y"]), float(c * end["M_y"] - s * end["M_x"])))
+    assert found[1] == pytest.approx(found[0], rel=1.5e-3)
+    assert found[0] == pytest.approx((float(half["H"]), float(half["M"])), rel=5e-3)
+    assert float(half["H"]) < 0.99 * float(rigid["H"])
+
+
 def test_the_water_of_the_whole_model_balances():
     """What the soil loses stays in the gaps or flows out, on the way round a corner with both families."""
     path = ELBOW | {"duration": 20.0, "then": ["2 mm towards 90 deg in 1 min"]}
@@ -366,7 +385,6 @@ def test_motions_are_judged_alike_in_any_direction():
     (TWIST, {"drainage": {"mode": "coupled"}}, "needs duration here"),
     (ELBOW | {"duration": 9.0}, {"drainage": {"mode": "coupled"}}, "needs a time"),
     (TWIST, {"drainage": {"mode": "undrained", "water_depth": 20.0}}, "leave the water depth out"),
-    (TWIST, {"caisson": {"behaviour": "elastic"}}, "behaviour = \"rigid\""),
     (TWIST, {"output": {"paraview": True}}, "half of a caisson"),
     (TWIST | {"role": "calibration"}, {}, 'role = "memory" or "held-back"'),
     ({"name": "a", "kind": "twist"} | HELD, {}, "needs twist"),
