@@ -65,22 +65,24 @@ class Total:
     """Puts the place of a path among all, the share of all that is done, and the time that is left into the message.
 
     ``weights`` are the costs of the paths, in any unit. Other names (of the model, of what follows the paths) are
-    passed on as they are.
+    passed on as they are. ``span``: shares of all work at which these paths begin and end, where more goes with them.
     """
 
     def __init__(
-        self, progress: Progress, weights: Mapping[str, float], clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        self.progress, self.weights, self.clock = progress, weights, clock
+        self, progress: Progress, weights: Mapping[str, float], clock: Callable[[], float] = time.monotonic,
+        span: tuple[float, float] = (0.0, 1.0),
+    ) -> None:  # fmt: skip
+        self.progress, self.weights, self.clock, self.span = progress, weights, clock, span
         self.done = dict.fromkeys(weights, 0.0)
         self.places = {name: number + 1 for number, name in enumerate(weights)}
         self.began: tuple[float, float] | None = None  # when, and the share that was done before
 
     def __call__(self, path: str, fraction: float, message: str) -> None:
         """Report; see `Progress`."""
-        if path in self.done and len(self.done) > 1:
-            self.done[path] = fraction
+        if path in self.done and (len(self.done) > 1 or self.span != (0.0, 1.0)):
+            self.done[path], (first, last) = fraction, self.span
             whole = sum(self.done[name] * weight for name, weight in self.weights.items()) / sum(self.weights.values())
+            whole = first + (last - first) * whole
             self.began = self.began or (self.clock(), whole)
             left = self._left(whole)
             message = f"path {self.places[path]} of {len(self.done)}, {100 * whole:.0f} % of all{left}; {message}"

@@ -27,6 +27,7 @@ from pysprings.core.workers import Workers
 from pysprings.full_model.accuracy.own_estimate import (
     AT_LEAST,
     LONGEST,
+    SHARE,
     companions_of,
     estimates_by_default,
     with_estimate,
@@ -58,6 +59,7 @@ class RunOptions:
     estimate_error : also run the scene on a coarser mesh and estimate the error; None: of Fourier series.
     jobs : processes for the paths; None: as many as there are cores, where they pay.
     workers : processes that are there already.
+    span : shares of all work at which this run begins and ends, for its progress.
     """
 
     mesh: str | None = None
@@ -70,6 +72,7 @@ class RunOptions:
     estimate_error: bool | None = None
     jobs: int | None = 1
     workers: Workers | None = None
+    span: tuple[float, float] = (0.0, 1.0)
 
 
 class Sink:
@@ -148,8 +151,10 @@ def _run_and_estimate(ran: Scene, scene: Scene, options: RunOptions, sink: Sink)
     """Run a scene, then estimate the error of its mesh; run it again where its series needs more harmonics."""
     saved = options.checkpoints
     chosen = saved.harmonics if saved is not None and options.resume else options.harmonics
-    result, estimate = compute(scene, replace(options, harmonics=chosen)), options.estimate_error
-    if result.interrupted or not (estimates_by_default(ran) if estimate is None else estimate):
+    estimated = estimates_by_default(ran) if options.estimate_error is None else options.estimate_error
+    options = replace(options, span=(0.0, SHARE) if estimated else options.span)
+    result = compute(scene, replace(options, harmonics=chosen))
+    if result.interrupted or not estimated:
         return result
     sink.keep(result)
 
@@ -174,7 +179,7 @@ def compute(scene: Scene, options: RunOptions | None = None, **given: object) ->
             options.workers.prepare()
         progress = options.progress or (lambda *_: None)
         weights = path_costs(ran)
-        work = prepare(ran, meter.clock, Total(progress, weights))
+        work = prepare(ran, meter.clock, Total(progress, weights, span=options.span))
         work.checkpoints, work.cpu_began = options.checkpoints, cpu
         loaded = work.take_up(options.resume, began)
         try:

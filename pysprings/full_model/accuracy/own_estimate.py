@@ -43,6 +43,8 @@ ENOUGH_ELSE = 0.5
 MOST = 9  # harmonics that are tried
 # Wall time of the runs beside over that of the run itself, and what they have always [s]
 LONGEST, AT_LEAST = 5.0, 300.0
+# Share of the run itself of all time, and of each run beside it of the time that is left
+SHARE, NEXT = 0.6, 0.6
 TOO_LONG = f"it took more than {LONGEST:g} times the run itself, and 5 minutes"
 
 
@@ -57,6 +59,7 @@ class Companions:
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
     checkpoints : of the run that they stand beside.
+    done : share of all work that is done, for the progress.
     until : when they are given up [s], of `time.monotonic`; late : whether that is over.
     """
 
@@ -68,6 +71,7 @@ class Companions:
     again: bool = False
     clock: Clock = field(default_factory=Clock)
     checkpoints: Checkpoints | None = None
+    done: float = SHARE
     until: float = math.inf
 
     def count_elsewhere(self, seconds: float) -> None:
@@ -186,7 +190,8 @@ def _run(
     name = f"{key or 'bricks'}" + ("" if into is companions.trees else "rest" if key in into else "few")
     kept = {} if saved is None else {"checkpoints": saved.companion(name), "resume": None}
     before = time.process_time()
-    coarse = compute(scene, progress=report, **kept)
+    begun, companions.done = companions.done, companions.done + NEXT * (1.0 - companions.done)
+    coarse = compute(scene, progress=report, span=(begun, companions.done), **kept)
     companions.count_elsewhere(coarse.record.cpu_s - (time.process_time() - before))
     if coarse.record.stopped_by is not None:
         companions.why_not, companions.again = companions.stopped_by(str(coarse.record.stopped_by)), True

@@ -46,3 +46,13 @@ def test_reporter_suits_the_stream() -> None:
         progress("pull", 0.5, "half [way]")  # brackets are text, not markup
     assert "half [way]" in terminal.getvalue()
     assert "50 %" in terminal.getvalue()
+
+
+def test_one_total_goes_through_a_run_and_what_stands_beside_it() -> None:
+    """A run of two paths to 60 % of all, a run beside it to 84 %; one path alone is a part of it, too."""
+    said: list[str] = []
+    for weights, span in (({"a": 1.0, "b": 3.0}, (0.0, 0.6)), ({"a": 1.0}, (0.6, 0.84))):
+        total = Total(lambda _path, _share, text: said.append(text), weights, lambda: 0.0, span)
+        for path in weights:
+            total(path, 1.0, "end")
+    assert [text.split(" % of all")[0] for text in said] == ["path 1 of 2, 15", "path 2 of 2, 60", "path 1 of 1, 84"]

@@ -16,7 +16,7 @@ from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import target, two_mesh
 from pysprings.full_model.accuracy.curves import SLICES
 from pysprings.full_model.accuracy.measures import cell_size
-from pysprings.full_model.accuracy.own_estimate import companions_of, estimates_by_default, with_estimate
+from pysprings.full_model.accuracy.own_estimate import SHARE, companions_of, estimates_by_default, with_estimate
 from pysprings.full_model.accuracy.presets import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
@@ -190,10 +190,12 @@ def test_harmonics_grow_until_two_more_change_little(
 ) -> None:
     """On the coarser mesh, by more than 2 % (`coarse`); the number of a scene stays, whatever it changes."""
     ran: list[int | str] = []
+    spans: list[float] = [SHARE]
 
-    def compute(scene: Scene, **_: Any) -> Computed:
+    def compute(scene: Scene, span: tuple[float, float], **_: Any) -> Computed:
         n = scene.mesh.harmonics
-        assert n is not None
+        assert n is not None and span[0] == spans[-1] < span[1] < 1.0  # one total, of the run and all beside it
+        spans.append(span[1])
         names = [path.name for path in scene.all_paths]
         ran.append(n if len(names) == len(fan) else f"{'few' if 'ray_0' in names else 'rest'} {n}")
         above = sum(size for least, size in change.items() if least >= n)
@@ -208,9 +210,11 @@ def test_harmonics_grow_until_two_more_change_little(
     assert found.harmonics == chosen and ran == asked
     assert scene_to_run(scene, harmonics=found.harmonics).mesh.harmonics == chosen
     ran.clear()
+    spans[:] = [SHARE]
     assert companions_of(scene, compute, chosen=chosen).harmonics == chosen  # a run that goes on
     assert ran[:2] == [chosen, f"few {chosen + 2}"]
     given = scene.replace(mesh={"harmonics": 3})
+    spans[:] = [SHARE]
     assert companions_of(given, compute).harmonics == 3
     assert scene_to_run(given, harmonics=9) is given
     assert estimates_by_default(scene) and not estimates_by_default(tiny.paper())
