@@ -63,6 +63,7 @@ def limited(monkeypatch: pytest.MonkeyPatch, limit: float) -> None:
 
 def test_a_model_that_cannot_fit_is_refused_before_it_is_built(monkeypatch: pytest.MonkeyPatch) -> None:
     """An eightfold refined `fine` mesh has a hundred million unknowns: this must not take a second."""
+    pytest.importorskip("pypardiso")  # its memory
     huge = tiny.paper(mesh={"preset": "fine", "refinement": 8})
     with pytest.raises(ResourceError, match=r"about [0-9,]+ GB of memory \([0-9,]+ nodes.* GB are there: choose"):
         describe(huge)
@@ -102,6 +103,7 @@ def test_check_ends_with_exit_code_4(tmp_path: Path) -> None:
 
 def test_check_names_warnings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Memory that other programs use now, and motions beyond small strains."""
+    pytest.importorskip("pypardiso")  # its memory
     monkeypatch.setattr("pysprings.model.forecast.estimate.memory_available", lambda: 1e6)
     text = '[mesh]\ndiscretisation = "hex8"\n[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "0.5 m"\n'
     (tmp_path / "c.toml").write_text(tiny.grounded(text))
