@@ -19,6 +19,7 @@ import numpy as np
 
 from fe_engine.assembly.fourier_pattern import held_coefficients, held_pressures
 from fe_engine.assembly.harmonic_factors import LANES
+from fe_engine.elements.fourier import numbers
 from fe_engine.errors import MeshError
 from fe_engine.memory import address_space
 from fe_engine.memory import left as memory_left
@@ -33,7 +34,7 @@ from pysprings.model.forecast.run_time import (
     superlu_bytes,
     uses_superlu,
 )
-from pysprings.model.fourier import fixed_directions, section_counts_of, section_of
+from pysprings.model.fourier import azimuths_of, fixed_directions, section_counts_of, section_of
 from pysprings.model.fourier_mesh import CaissonSection, counted_section
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import make_steel_rings, patch, with_rings
@@ -152,15 +153,21 @@ def model_bytes(scene: Scene, symmetric: bool = False) -> float:
     if scene.discretisation != "fourier":
         more = superlu_bytes(size.unknowns) if uses_superlu(scene) else 0.0
         return memory_bytes(size.unknowns, scene.drainage.mode != "drained", symmetric) + more
+    whole = any(path.in_space for path in scene.all_paths)
+    return _BASE_BYTES + sum(_series_bytes(scene, size, each) for each in ((False, True) if whole else (False,)))
+
+
+def _series_bytes(scene: Scene, size: Size, whole: bool) -> float:
+    """Return the estimated memory of a Fourier model in bytes; the whole circle shares the factors of its families."""
     counts = counted_section(geometry_of(scene), section_counts_of(scene))
-    waves, m = counts.harmonics + 1, counts.harmonics + 3
-    lanes = LANES * math.ceil(waves / LANES)
-    interface = 3 * waves * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures
-    pressures = _SERIES_WATER * size.pore_pressures**2 / waves
+    waves, (m, _) = counts.harmonics + 1, azimuths_of(counts.harmonics, whole)
+    slots, lanes = len(numbers(counts.harmonics, whole)), LANES * math.ceil(waves / LANES)
+    interface = 3 * slots * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures * slots / waves
+    pressures = _SERIES_WATER * slots * (size.pore_pressures / waves) ** 2
     if scene.caisson.behaviour == "elastic":
-        pressures += 2.0 * interface**2 + 2.0 * waves * (2.0 * interface / waves) ** 2  # of the steel
+        pressures += 2.0 * interface**2 + 2.0 * slots * (2.0 * interface / slots) ** 2  # of the steel
     return (
-        _BASE_BYTES + 8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT
+        8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT
         + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * (4.0 * interface**2 + pressures)
     )  # fmt: skip
 

@@ -71,7 +71,7 @@ def study(
     Raises RunIncomplete: no direction has a load; nothing but the runs is written. UserInputError: the model of the
     scene carries no torsion.
     """
-    if request.torsion and (why := [text for _, text in off_plane_refusals(scene)]):
+    if request.torsion and (why := [text for _, text in off_plane_refusals(scene, whole=True)]):
         raise refused("--torsion", f"the load leaves the plane of H and M: {'; '.join(why)}")
     groups = list(plan.groups(scene, request))
     every = points.planned(groups, request)

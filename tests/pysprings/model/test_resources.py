@@ -233,6 +233,18 @@ def test_counts_are_those_of_the_model_that_would_run() -> None:
     assert about["left_out"]
 
 
+def test_a_path_off_a_plane_needs_the_whole_model_beside_the_half() -> None:
+    """Both families: pressures of 2 N + 1 slots instead of N + 1, the interface with their square."""
+    twist = {"name": "t", "kind": "twist", "twist": 1e-3, "duration": 9.0, "role": "held-back"}
+    for mode in ("drained", "coupled"):
+        pull = {"name": "p", "kind": "pull", "lateral_displacement": 1e-3} | (
+            {"rate": 1e-4} if mode == "coupled" else {}
+        )
+        sections = {"mesh": {"discretisation": "fourier"}, "drainage": {"mode": mode}}
+        half, both = (resources.model_bytes(tiny.scene(paths=each, **sections)) for each in ((pull,), (pull, twist)))
+        assert half < both < half + 4.5 * (half - 0.37e9)
+
+
 def test_the_estimate_for_the_coarse_mesh_is_of_the_right_size() -> None:
     """Measured on two cores, with the slower solver of before: 25 to 40 s, and 0.43 GB, for the default scene."""
     about = describe(tiny.paper())
