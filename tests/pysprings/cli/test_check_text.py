@@ -4,6 +4,8 @@
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from pysprings import Scene
 from pysprings.scene.template import template_text
 from tests.support import stored, tiny
@@ -54,6 +56,7 @@ def printed(text: str, folder: Path) -> list[str]:
 
 
 def test_all_that_is_printed_of_scenes(tmp_path: Path) -> None:
+    pytest.importorskip("pypardiso")  # times and memory of bricks are those of Pardiso
     lines = []
     for name, sections in SCENES.items():
         scene: Scene = tiny.scene(**sections)
