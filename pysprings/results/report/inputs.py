@@ -141,9 +141,8 @@ def defaults_table(run: RunRecord | None) -> Table | None:
     """Return the table of what a scene does not give, with the values in its place; None where nothing is recorded."""
     rows = [(str(row["key"]), value_text(row)) for row in (run.defaulted if run else [])]
     remarks = f"Remarks on the scene: {'; '.join(run.remarks)}." if run and run.remarks else ""
-    return (
-        Table("Defaults, which the scene does not give", ("key", "value"), rows, remarks) if rows or remarks else None
-    )
+    title = "Defaults, which the scene does not give" if rows else ""
+    return Table(title, ("key", "value"), rows, remarks, head=bool(rows)) if rows or remarks else None
 
 
 # Sections that decide the computation, not the case: they stand in the appendix

@@ -79,8 +79,8 @@ def _missed(path: xr.Dataset, comparison: pd.DataFrame | None) -> str:
         return text
     worst = alone.iloc[int(alone["H_error_max_pct"].abs().to_numpy().argmax())]
     return (
-        f"{text}The curves hold for this path: p-y curves alone, those of path {worst['springs_from']}, miss the load "
-        f"of path {worst['path']} by {worst['H_error_max_pct']:+.0f} %."
+        f"{text}The curves hold for this path: p-y curves alone, those of path {worst['springs_from']}, are off the "
+        f"load of path {worst['path']} by {worst['H_error_max_pct']:+.0f} %."
     )
 
 
