@@ -7,6 +7,7 @@ Dash (plotly) makes it: Panel would do the same with four times the weight, in e
 from __future__ import annotations
 
 import io
+import math
 import threading
 import zipfile
 from contextlib import suppress
@@ -136,7 +137,7 @@ class Page:
             return {
                 "numbers": [values[each.name] if first or each.name == name else no_update for each in self.fields],
                 "sliders": [no_update if each.name == name else values[each.name] or 0.0 for each in self.sliders],
-                "end": _end(values[H.name]) if first else [no_update] * 2,
+                "end": [no_update] * 2 if key == drawn else _end(answer, values[H.name]),
                 "texts": [
                     _numbers(answer, source, values), _remarks(answer),
                     no_update if key == drawn else _facts(source, values), answers.command_of(values, source),
@@ -173,9 +174,11 @@ def _number(value: Any) -> float | None:
     return None if value in (None, "") else float(value)
 
 
-def _end(half: float | None) -> list[Any]:
-    """Return the end of the slider of H [MN], twice half of the largest known load at the start, and its step."""
-    end = 2.0 * half if half else 1.0
+def _end(answer: Answer, force: float | None) -> list[Any]:
+    """Return the end of the slider of H [MN], the largest known load or H where that is more, and its step."""
+    known = 0.0 if answer.largest is None else 1e-6 * abs(float(answer.largest.H[0]))
+    end = float(f"{max(known if math.isfinite(known) else 0.0, force or 0.0):.2g}") or 1.0
+    end = max(end, force or 0.0)  # rounded
     return [end, Field("H", "", "", None, (0.0, end)).step]
 
 

@@ -385,9 +385,11 @@ def test_an_atlas_in_a_browser(browser: Any, tmp_path: Path) -> None:
     with served("--atlas", "clay") as address:
         page = opened(browser, address)
         assert "springs of the atlas clay (96 full models)" in page.inner_text("#remarks")
+        end = float(page.get_attribute("#H-slider", "max"))
         for name in ("D", "su"):
             page.focus(f"#{name}-slider")
             after(page, lambda: page.keyboard.press("ArrowRight"))
+        page.wait_for_function(f"Number(document.querySelector('#H-slider').max) > {end}")  # a larger caisson
         assert re.search(r"--set 'su=\"[\d.]+ kPa\"'", page.inner_text("#command"))
         state = shown_as_predicted(page)
         cases = tmp_path / "cases.csv"
