@@ -118,12 +118,12 @@ def test_a_file_of_every_run(folder: Path) -> None:
         (
             ["--to", "toi"],
             "--to: 'toi' is not one of csv, wide, xlsx, nc, json, beam, paraview, openfast, subdyn, "
-            "opensees, calculix, sacs, toy",
+            "opensees, calculix, sacs, toy (did you mean 'toy'?)",
         ),
         (["--to", "toy", "--option", "factor"], "--option: 'factor' is not NAME=VALUE"),
         (
             ["--to", "toy", "--option", "size=1"],
-            "--option size: no option of 'toy'; its options: factor, V, form, signed",
+            "--option size: no option of 'toy' (did you mean 'signed'?); its options: factor, V, form, signed",
         ),
         (["--to", "csv", "--option", "size=1"], "--option size: no option of 'csv'; it has no options"),
         (["--to", "toy", "--option", "factor=1.5"], "--option factor: '1.5' is not an integer"),

