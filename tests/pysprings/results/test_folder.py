@@ -411,8 +411,7 @@ def test_templates_are_valid(name: str) -> None:
 @pytest.mark.parametrize("name", [*(file.stem for file in SCENES), *template_names()])
 def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -> None:
     """A twentieth of each path in two steps: every option of the scene is used."""
-    files = {file.stem: file.read_text(encoding="utf-8") for file in SCENES}
-    scene = tiny.parsed(files[name] if name in files else template_text(name))
+    scene = _scene(name)
     small = {
         "mesh": {"refinement": 0.4},
         "output": {"figures": False},
@@ -422,6 +421,11 @@ def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -
     run_to_folder(scene.replace(**small, solver=few), tmp_path)
     assert read_record(tmp_path)["status"] == "complete"
     assert set(contents(tmp_path)) == set(run_files())
+
+
+def _scene(name: str) -> Any:
+    files = {file.stem: file for file in SCENES}
+    return load_scene(files[name]) if name in files else tiny.parsed(template_text(name))
 
 
 def _short(path: Any) -> dict[str, Any]:
@@ -441,9 +445,7 @@ BRIEF = {"elastic-check", "service-load", "soft-clay"}  # a minute; the others t
     ],
 )
 def test_scenes_run_as_they_are(name: str, tmp_path: Path) -> None:
-    files = {file.stem: file.read_text(encoding="utf-8") for file in SCENES}
-    scene = tiny.parsed(files[name] if name in files else template_text(name))
-    run_to_folder(scene, tmp_path, estimate_error=False)
+    run_to_folder(_scene(name), tmp_path, estimate_error=False)
     record = read_record(tmp_path)
     assert record["status"] == "complete"
     assert max(max(missing.values()) for missing in record["balance"].values()) < 1e-6
