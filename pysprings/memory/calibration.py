@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
+from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.candidates import Candidates, around, candidates, force_directions
 from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE
 from pysprings.memory.offered import Known, Offered, elastic_motions
@@ -172,8 +173,18 @@ def strongest(
 
 
 def way_of(motions: Array) -> float:
-    """Return how far motions (n, 2) [m] go from the origin, back and forth [m]."""
-    return float(np.hypot(*np.diff(motions, axis=0, prepend=np.zeros((1, 2))).T).sum())
+    """Return how far motions (n, m) [m] go from the origin, back and forth [m]."""
+    return float(np.linalg.norm(np.diff(motions, axis=0, prepend=np.zeros_like(motions[:1])), axis=1).sum())
+
+
+def beyond_way(motions: Array, longest: float) -> tuple[str, ...]:
+    """Return a sentence where motions (n, m) [m] come farther than the longest way of the calibration [m]."""
+    come = way_of(motions) / longest
+    text = (
+        f"the motions add up to {come:.3g} times the longest way of the calibration: heave, settlement and "
+        "vertical reactions are extrapolated beyond"
+    )
+    return (text,) if come > 1.0 + RANGE_SLACK else ()
 
 
 def _system(choice: Offered, known: Sequence[Known], stiffness: Array, largest: float) -> tuple[Array, Array]:

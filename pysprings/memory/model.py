@@ -15,8 +15,8 @@ from pysprings.macro.fan_springs import FanSprings
 from pysprings.macro.response import ElementRows
 from pysprings.macro.solver import Drive
 from pysprings.macro.vertical import VerticalTable
-from pysprings.macro.ways import RANGE_SLACK, Along, Control, ending, equations
-from pysprings.memory.calibration import ElementSet, numbers_of, way_of
+from pysprings.macro.ways import Along, Control, ending, equations
+from pysprings.memory.calibration import ElementSet, beyond_way, numbers_of
 from pysprings.memory.elements import COLUMNS, PLATES, SPACE_COLUMNS, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
 from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
@@ -167,12 +167,7 @@ class MemorySprings(FanSprings):
         self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float
     ) -> Along:
         """Return a sentence where states (k, 2) come farther than the ways of the calibration; turns are no mark."""
-        come = way_of(states * self.to_motion) / self.elements.way
-        text = (
-            f"the motions add up to {come:.3g} times the way of the rays that turn back: heave, settlement and "
-            "vertical reactions are extrapolated beyond"
-        )
-        return Along(notes=(text,) if come > 1.0 + RANGE_SLACK else ())
+        return Along(notes=beyond_way(states * self.to_motion, self.elements.way))
 
     def solve(
         self,

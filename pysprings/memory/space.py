@@ -27,6 +27,7 @@ from pysprings.memory.calibration import (
     SpaceElements,
     fitted,
     strongest,
+    way_of,
 )
 from pysprings.memory.candidates import LARGEST, SMALLEST, plastic_rows
 from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
@@ -88,16 +89,12 @@ def calibrate_in_space(
     rows, left = _lateral(planar.rows, ways, lateral, table, stiffness, (reach, MOST_NUMBERS - STATES * len(torsion)))
     choice = Offered.of_space(rows)
     p = _by_depth(choice, ways, springs, table, planar.largest)
-    growth, longest = float(planar.shares.growth), max([planar.way, *(_way_of(way) for way in lateral)])
+    growth, longest = float(planar.shares.growth), max([planar.way, *(way_of(way.motions[:, :4]) for way in lateral)])
     even = _heave(choice, ways, springs, table, (planar.largest, growth))
     rows = np.concatenate([rows, torsion])
     farthest = max((float(np.abs(way.motions[:, 4]).max()) for way in twists), default=0.0)
     errors = {way.name: errors_of(rows, way.motions, way.loads, planar.largest) for way in lateral}
     return SpaceElements(rows, radius, farthest, *p, even, growth, longest, left, torsion_left, errors)
-
-
-def _way_of(way: SpaceWay) -> float:
-    return float(np.linalg.norm(np.diff(way.motions, axis=0), axis=1).sum())
 
 
 def _heave(

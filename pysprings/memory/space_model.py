@@ -23,7 +23,7 @@ from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
-from pysprings.memory.calibration import ElementSet, SpaceElements
+from pysprings.memory.calibration import ElementSet, SpaceElements, beyond_way
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
 from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
@@ -215,6 +215,7 @@ class SpaceSprings:
         apart = self.torsion_apart(pushes)
         values["torsion_apart"] = apart.astype(np.int8)
         warnings = [APART.format(apart.sum(), n)] if apart.any() else []
+        warnings += beyond_way(self.motions_of(turns)[:, :4], self.elements.way)
         if V is not None:
             off = ~close_loads(V[:n], self.V)
             values |= {"V": V[:n], "off_load": off.astype(np.int8)}

@@ -226,26 +226,31 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
 def _along(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
     """Return the share that a load (H, M, T) is of an envelope in its direction, and whether capacities bound it.
 
-    Without torsion it is that of the chord between two directions, with torsion that of the convex hull of all points.
+    Without torsion it is that of the chord between two directions, with torsion that of the triangle of three.
     """
     if not load.any():
         return 0.0, True
-    return _along_chord(closed(points), *load[:2]) if load[2] == 0.0 else _along_hull(points, load)
+    return _along_chord(closed(points), *load[:2]) if load[2] == 0.0 else _along_face(points, load)
 
 
-def _along_hull(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
-    """Return the least sum of shares of points, or of their mirror images, that add up to a load (H, M, T)."""
-    from scipy.optimize import linprog
+def _along_face(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
+    """Return the share and whether capacities bound it, of a load (H, M, T) between three neighbouring directions.
 
-    own = points[["H_N", "M_Nm", "T_Nm"]].to_numpy(dtype=float).T
-    mirrored = np.hstack([own * np.array([[s], [s], [t]]) for s in (1.0, -1.0) for t in (1.0, -1.0)])
-    scale = np.abs(mirrored).max(axis=1, keepdims=True)
-    if (np.abs(load) > 0.0)[scale[:, 0] == 0.0].any():
+    The directions are those of the points and of their mirror images; neighbours are corners of a face of the convex
+    hull of directions. NaN where the points do not enclose the origin.
+    """
+    from scipy.spatial import ConvexHull
+
+    own = points[["H_N", "M_Nm", "T_Nm"]].to_numpy(dtype=float)
+    scaled = np.vstack([own * [s, s, t] for s in (1.0, -1.0) for t in (1.0, -1.0)])
+    scaled /= (scale := np.maximum(np.abs(scaled).max(axis=0), 1e-300))
+    if np.linalg.matrix_rank(scaled, tol=1e-6) < 3:
         return math.nan, False
-    scale[scale == 0.0] = 1.0
-    found = linprog(np.ones(mirrored.shape[1]), A_eq=mirrored / scale, b_eq=load / scale[:, 0])
-    used = np.tile(points["is_capacity"].to_numpy(dtype=bool), 4)[found.x > 1e-9 * found.fun]
-    return float(found.fun), bool(used.all())
+    faces = ConvexHull(scaled / np.linalg.norm(scaled, axis=1)[:, None]).simplices
+    shares = np.linalg.solve(scaled[faces].swapaxes(1, 2), (load / scale)[:, None])[..., 0]
+    k = int(np.argmax(shares.min(axis=1) / np.abs(shares).sum(axis=1)))
+    used = faces[k][shares[k] > 1e-9 * shares[k].sum()] % len(own)
+    return float(shares[k].sum()), bool(points["is_capacity"].to_numpy(dtype=bool)[used].all())
 
 
 def _along_chord(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, bool]:

@@ -69,8 +69,10 @@ def study(
     the cores of the machine).
 
     Raises RunIncomplete: no direction has a load; nothing but the runs is written. UserInputError: the model of the
-    scene carries no torsion.
+    scene carries no torsion, or water flows in it.
     """
+    if scene.drainage.mode == "coupled":
+        raise refused("drainage.mode", 'a capacity has no time for water to flow: it needs "drained" or "undrained"')
     if request.torsion and (why := [text for _, text in off_plane_refusals(scene, whole=True)]):
         raise refused("--torsion", f"the load leaves the plane of H and M: {'; '.join(why)}")
     groups = list(plan.groups(scene, request))

@@ -543,7 +543,7 @@ def test_sequences_are_compared_by_cycle(tmp_path) -> None:
 def test_a_long_way_is_marked_where_heave_is_extrapolated() -> None:
     springs = Springs.of(winkler.with_invented_memory())
     targets = np.array([[1e-3 * sign, 0.0] for sign in (1, -1) * 60])
-    with pytest.warns(MacroWarning, match="times the way of the rays that turn back: heave, settlement and vertical"):
+    with pytest.warns(MacroWarning, match="times the longest way of the calibration: heave, settlement and vertical"):
         sequence(springs, targets, control="state", springs_kind="memory", extrapolate=True)
 
 

@@ -347,6 +347,14 @@ def test_w_is_that_of_the_rays_in_any_direction() -> None:
         assert np.abs(found[0] - w).max() < 0.1 * 1.6e-3 and np.abs(found[1] - found[0]).max() < 0.08 * 1.6e-3
 
 
+def test_w_beyond_the_longest_way_is_marked() -> None:
+    model = SpaceSprings.of(calibrated())
+    there = np.array([[0.5 * model.reach, 0, 0, 0, 0], [0, 0.5 * model.reach, 0, 0, 0]])
+    assert not model.answer("state", there).attrs["warnings"]
+    (text,) = model.answer("state", np.tile(there, (200, 1))).attrs["warnings"]
+    assert "times the longest way of the calibration: heave" in text
+
+
 def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
     """In SI as JSON, as a table for people, with the marks; `compare` lists the paths out of the plane."""
     file, table = tmp_path / "springs.nc", tmp_path / "loads.csv"

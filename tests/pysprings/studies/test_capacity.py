@@ -169,8 +169,8 @@ def torsion_cases(folder: Path) -> LoadCases:
     return read_load_cases(file).bounded(0.5 * D, torsion=True)
 
 
-def test_utilisation_with_torsion_is_that_of_the_hull(tmp_path: Path) -> None:
-    """An ellipsoid, in every octant: the hull lies up to 8 % inside of it; without points with T no answer."""
+def test_utilisation_with_torsion_is_that_of_neighbours(tmp_path: Path) -> None:
+    """An ellipsoid, in every octant: faces lie up to 8 % inside, a dent counts; without points with T no answer."""
     cases = torsion_cases(tmp_path)
     found = utilisation(sphere(), cases).set_index("name")
     assert found["utilisation"][["plane", "alone"]].tolist() == pytest.approx([0.5, 0.5])
@@ -180,6 +180,15 @@ def test_utilisation_with_torsion_is_that_of_the_hull(tmp_path: Path) -> None:
         assert found["T_capacity_Nm"][name] == pytest.approx(found["T_Nm"][name] / found["utilisation"][name])
     assert utilisation(sphere(known=False), cases)["upper_bound"].tolist() == [0, 1, 1, 1]
     assert utilisation(circle(), cases)["utilisation"].isna().tolist() == [False, True, True, True]
+    dent = sphere()
+    dent.loc[dent["torsion_deg"] > 89.0, "T_Nm"] *= 0.5
+    assert utilisation(dent, cases).set_index("name")["utilisation"]["alone"] == pytest.approx(1.0)
+
+
+def test_water_that_flows_has_no_capacity(tmp_path: Path) -> None:
+    with pytest.raises(UserInputError, match=r"drainage\.mode: a capacity has no time for water to flow"):
+        study.study(tiny.wet(), tmp_path / "out", plan.Request((1e6,)), lambda *_: None)
+    assert not (tmp_path / "out").exists()
 
 
 def test_torsion_is_drawn_and_printed(tmp_path: Path) -> None:

@@ -274,8 +274,8 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
         if each.spring.odd:
             lateral, depth = each.spring.direction == "lateral", each.spring.depth
             a = (1.0, -depth) if lateral else (0.0, 1.0)
-            q, f = (values[each.within()[0] >= 0.0] for values in each.within())
-            rows.append(Row(each.spring.name, depth, "y" if lateral else "rotation", a, a, q, f))
+            q, f = each.within()
+            rows.append(Row(each.spring.name, depth, "y" if lateral else "rotation", a, a, q[q >= 0.0], f[q >= 0.0]))
     return made.model.on_rows(together(stack(rows, straight=True), made.planes))
 
 
