@@ -118,7 +118,7 @@ def outputs_page() -> str:
     rows = [
         [f"`{each.name}`", _words(each.description), f"`{each.file}`" if each.file else "several",
          ", ".join(f"`{suffix}`" for suffix in each.suffixes), each.needs]
-        for each in EXPORTERS.built_in
+        for each in EXPORTERS
     ]  # fmt: skip
     parts = [
         MARK,
@@ -127,7 +127,7 @@ def outputs_page() -> str:
         f"files of springs.\n\n{markdown_table(['name', 'content', 'file', 'endings', 'needs'], rows)}",
     ]
     options: dict[tuple[str, str], list[str]] = {}
-    for each in EXPORTERS.built_in:
+    for each in EXPORTERS:
         for option in each.options:
             words = f"`{each.name}`{_preset(None if option.default == '' else option.default)}"
             options.setdefault((f"`{option.name}`", _words(option.help)), []).append(words)
@@ -135,7 +135,7 @@ def outputs_page() -> str:
     parts.append(f"\n### Options of exports\n\n{markdown_table(['option', 'meaning', 'of'], own)}")
     pictures = [
         [f"`{each.name}`", each.caption, _SCOPES[each.scope], "`report`" if each.section else "`all`"]
-        for each in PICTURES.built_in
+        for each in PICTURES
     ]
     parts.append(
         "\n## Pictures\n\nFiles in `figures/`, drawn where the data are there. STATE is `last`, or `2.5mm` for the "
@@ -144,7 +144,7 @@ def outputs_page() -> str:
         f"PNG, 100 dots an inch; `--figure-format` has others.\n\n"
         f"{markdown_table(['name', 'caption', 'file', 'from'], pictures)}"
     )
-    tables = [[f"`{each.name}`", each.section] for each in REPORT_TABLES.built_in]
+    tables = [[f"`{each.name}`", each.section] for each in REPORT_TABLES]
     parts.append(f"\n## Tables of the report\n\n{markdown_table(['name', 'section'], tables)}")
     return "".join(parts)
 
@@ -165,7 +165,7 @@ def pictures_page() -> str:
     from pysprings.results.plots import PICTURES
 
     parts = [MARK, PICTURES_HEAD]
-    for each in PICTURES.built_in:
+    for each in PICTURES:
         function, fixed = getattr(each.function, "func", each.function), getattr(each.function, "keywords", {})
         scope = {"run": [], "path": ["path"], "state": ["path", "step=...", "displacement=..."]}[each.scope]
         own = [

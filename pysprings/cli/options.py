@@ -77,15 +77,15 @@ def quantity(flag: str, unit: str, example: str, words: str) -> Any:
 
 
 def named(flag: str, registry: Registry[Item], words: str, cases: list[Item] | None = None) -> Any:
-    """Return an option whose value is a name of a registry; help lists `cases` (default: those of this package).
+    """Return an option whose value is a name of a registry; help lists `cases` (default: all).
 
     The command validates the value with `Registry.find`, so that names of other packages are accepted.
     """
-    shown = "|".join(case.name for case in (registry.built_in if cases is None else cases))
+    shown = "|".join(case.name for case in (registry if cases is None else cases))
     return typer.Option(flag, metavar=f"[{shown}]", help=words, autocompletion=lambda: registry.names())
 
 
-_SETS = list(reversed(SPRING_SETS.built_in))
+_SETS = [*SPRING_SETS][::-1]
 SpringSet = Annotated[
     str | None,
     named(

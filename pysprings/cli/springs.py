@@ -17,7 +17,7 @@ from pysprings.core.words import Use
 from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS
 
-SPRING_FILES = [each for each in EXPORTERS.built_in if each.is_spring_file]
+SPRING_FILES = [each for each in EXPORTERS if each.is_spring_file]
 
 
 def springs(

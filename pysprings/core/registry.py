@@ -30,10 +30,6 @@ class Registry(Generic[Item]):
     ----------
     kind : What a case is, for messages: "exporter".
     items : Cases of this package.
-
-    Attributes
-    ----------
-    built_in : Cases of this package.
     """
 
     def __init__(self, kind: str, items: Iterable[Item] = ()) -> None:
@@ -41,7 +37,6 @@ class Registry(Generic[Item]):
         self._items: dict[str, Item] = {}
         for item in items:
             self.register(item)
-        self.built_in = tuple(self._items.values())
 
     def register(self, item: Item) -> Item:
         """Add a case and return it.

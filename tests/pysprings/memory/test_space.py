@@ -38,6 +38,7 @@ from pysprings.memory.space_model import SpaceSprings, SpaceStepper
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.checks import RESULT, open_springs, save_springs
 from pysprings.springs.extract import extract_springs
+from pysprings.springs.path import SPACE_TURNS
 from pysprings.springs.springs import Springs
 from tests.support import space_paths
 from tests.support.commands import command
@@ -345,6 +346,9 @@ def test_w_is_that_of_the_rays_in_any_direction() -> None:
             moved = space.heave(np.stack([c * u, s * u, -s * lean, c * lean, 0.0 * u], axis=1))
             found.append(moved - float(space.origin["w"][0]))
         assert np.abs(found[0] - w).max() < 0.1 * 1.6e-3 and np.abs(found[1] - found[0]).max() < 0.08 * 1.6e-3
+    circle = springs.space["circle"]  # recorded with w at rest: rays alone lift it by 0.9 mm
+    turns = np.stack([circle[name] for name in SPACE_TURNS], axis=1)
+    assert abs(space.heave(turns)[-1] - float(space.origin["w"][0])) < 0.05 * 1.6e-3
 
 
 def test_w_beyond_the_longest_way_is_marked() -> None:

@@ -511,7 +511,7 @@ STEMS = [
     "pull_newton",
 ]
 # Every figure is empty: the tests are about the names of the files.
-BLANK = Registry("picture", [replace(each, function=lambda *_: Figure(figsize=(1, 1))) for each in PICTURES.built_in])
+BLANK = Registry("picture", [replace(each, function=lambda *_: Figure(figsize=(1, 1))) for each in PICTURES])
 
 
 def test_every_figure_that_a_result_allows_is_written(trees: tuple[xr.DataTree, xr.DataTree], tmp_path: Path) -> None:

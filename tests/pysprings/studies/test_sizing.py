@@ -12,6 +12,7 @@ import pytest
 import pysprings
 from pysprings.core.errors import RunIncomplete, UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.changes import read_changes
 from pysprings.studies.atlas.model import Atlas
 from pysprings.studies.sizing import search as sizing
@@ -98,12 +99,17 @@ def test_what_the_full_model_never_confirms_is_no_result(search, monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_full_model_states_the_error_of_its_own_mesh(search, tmp_path):
-    """One case on its extrapolated mesh: the estimate of the run, beside the error of the atlas."""
+def test_the_full_model_states_the_error_of_its_own_mesh(search, tmp_path, monkeypatch):
+    """One case on its extrapolated mesh: the estimate of the run in rotation, beside the error of the atlas."""
+    records = []
+    of = RunRecord.of
+    monkeypatch.setattr(RunRecord, "of", lambda result: records.append(of(result)) or records[-1])
     file = tmp_path / "one.csv"
     file.write_text("name,H [kN],arm [m]\nservice,800,12\n", encoding="utf-8")
     wanted = replace(search.wanted, cases=read_load_cases(file))
     (row,) = confirmed(search.atlas, wanted, Candidate(7.0, 7.0, 0.0, 1.0, "", True)).to_dict("records")
+    own = records[-1].error_estimate["by_path"]["case_1"]
+    assert row["rotation_mesh_error_pct"] == own["rotation_pct"]
     assert 0.0 < row["rotation_mesh_error_pct"] < 20.0
     assert abs(row["rotation_error_pct"]) < 3.0 * row["rotation_deviation_pct"] + row["rotation_mesh_error_pct"]
 
