@@ -90,11 +90,12 @@ def capacity(
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())
     request = _request(read, vertical or [], directions, macro and springs is None, factor or [], torsion or [])
-    file = cases or read.design.cases
-    radius = 0.5 * read.caisson.outer_diameter
-    given = None if file is None else read_load_cases(file).bounded(radius, bool(request.torsion))
+    chosen, given = study.scene_of(read, mesh, discretisation), None
+    if file := cases or read.design.cases:
+        every, radius = read_load_cases(file), 0.5 * read.caisson.outer_diameter
+        request = study.with_torsion(chosen, request, every)
+        given = every.bounded(radius, bool(request.torsion) or every.twisted(radius))
     model = None if springs is None or not macro else _model(springs)
-    chosen = study.scene_of(read, mesh, discretisation)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             outcome = study.study(

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from pysprings.macro.model import AnySprings, Typed
 
 Array = NDArray[np.float64]
+Marks = NDArray[np.bool_]
 
 TILTED, OVERLOADED, PARTLY, UNKNOWN = "tilt exceeded", "overloaded", "supported in part", "no answer"
 # marks of answers that the springs support in part, and their words
@@ -54,6 +55,7 @@ MARKS = {
     "torsion_apart": "torsion beside lateral loads: springs of both apart, motions too small, the twist by a factor",
     "unbounded": "no upper bound of the rotation: the largest load, 1.96 deviations less, is below this one",
 }
+GOVERNS = "no bound: torsion governs, which may reach its own capacity first"
 STIFFNESS = {
     ("u", "u"): "tangent_u_u_N_per_m",
     ("u", "rotation"): "tangent_u_rotation_N",
@@ -103,12 +105,13 @@ def answer_cases(
     frame = _with_sets(frame, typed(springs), cases, extrapolate, choice)
     frame["marks"] = frame["marks"].where(~space, own)  # springs in space are those of one V
     D = answers.attrs.get("outer_diameter_m")
-    bound, found = cases.bounded(None if D is None else 0.5 * float(D)), answers
+    radius = None if D is None else 0.5 * float(D)
+    bound, twisted, found = cases.bounded(radius), cases.twisted(radius), answers
     left, at = _left_beyond(frame, typed(springs), cases, choice)
     if cases.aside.any() or (left < 1.0).any():
         of_bound = bound.loads / np.nan_to_num(left, nan=1.0)[:, None]
         found = answer_loads(springs, of_bound, at, extrapolate, **choice)
-    frame = _with_twist(_with_bounds(frame, cases, found, space, left), cases, answers, space)
+    frame = _with_twist(_with_bounds(frame, cases, found, (space, twisted), left), cases, answers, space)
     return frame.assign(verdict=verdicts(frame))
 
 
@@ -219,9 +222,10 @@ _AT_SETS = (
 def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: dict[str, Any]) -> tuple[Array, Array]:
     """Return by case the share of loads at equal motion that V leaves at least, and V of the springs that it is of [N].
 
-    1 and V of the case, but for answered lateral loads whose V is beyond all springs by more than 10 %: where the load
-    at equal motion is concave in V and is not negative at the last V of the vertical path on that side, V_e, it is at
-    least (V - V_e)/(V_s - V_e) of that at V_s of the springs. NaN: V is not known to lie before such an end.
+    1 and V of the case, but for lateral loads, answered or aside of one plane, whose V is beyond all springs by more
+    than 10 %: where the load at equal motion is concave in V and is not negative at the last V of the vertical path on
+    that side, V_e, it is at least (V - V_e)/(V_s - V_e) of that at V_s of the springs. NaN: V is not known to lie
+    before such an end.
     """
     share, at = np.ones(len(cases)), cases.V.copy()
     if not isinstance(springs, Springs) or choice.get("path") is not None or not springs.load_sets:
@@ -231,7 +235,8 @@ def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: 
     own = np.clip(V, sets[0].V, sets[-1].V)
     branches = () if vertical is None else vertical.branches
     ends = {each.sign: each.sign * float((each.sign * each.r[-1]).max()) for each in branches}
-    for k in np.flatnonzero(~close_loads(V, own) & cases.lateral & (frame["answered"] == 1)):
+    bounded = cases.lateral & ((frame["answered"] == 1) | cases.aside)
+    for k in np.flatnonzero(~close_loads(V, own) & bounded):
         end = ends.get(float(np.sign(V[k] - own[k])), np.nan)
         known, at[k] = (V[k] - end) / (own[k] - end), own[k]
         share[k] = known if 0.0 < known < 1.0 else np.nan
@@ -239,29 +244,39 @@ def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: 
 
 
 def _with_bounds(
-    frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset, space: NDArray[np.bool_], left: Array
+    frame: pd.DataFrame, cases: LoadCases, bounds: xr.Dataset, marks: tuple[Marks, Marks], left: Array
 ) -> pd.DataFrame:
-    """Return the answers with what cases aside of one plane and not in space (n,) leave out, and with their bounds.
+    """Return the answers with what cases aside of one plane leave out, and with their bounds.
 
-    Those of cases whose V is beyond the springs have the share of loads (n,) of `_left_beyond`.
+    marks : cases that are answered in space, and those that are twisted, (n,). Those of cases whose V is beyond the
+    springs have the share of loads (n,) of `_left_beyond`.
     """
-    out, aside = frame.copy(), cases.aside
-    bounded = np.isfinite(left) & (aside | (left < 1.0))
+    space, twisted = marks
+    out, aside, beyond = frame.copy(), cases.aside, left != 1.0
+    bounded = np.isfinite(left) & ~twisted & (aside | beyond)
     for column, load in (("across_Nm", cases.across), ("torsion_Nm", cases.torsion)):
         out[column] = np.where(load != 0.0, load, np.nan)
     for column, name in (("u_bound_m", "u"), ("rotation_bound_rad", "rotation"), ("utilisation_bound", "utilisation")):
         out[column] = np.where(bounded, np.abs(bounds[name].values), np.nan)
-    for k in np.flatnonzero((aside & ~space) | (left != 1.0)):
+    for k in np.flatnonzero((aside & ~space) | beyond):
         lost = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}
+        lost = {} if space[k] else lost
         texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in lost.items() if load]
-        share = f"loads at equal motion at least {100.0 * left[k]:.0f} % of those of the springs"
-        texts += [share] if left[k] < 1.0 else [] if bounded[k] else ["no bound: no vertical path leads beyond V"]
-        u, turn = 1e3 * out["u_bound_m"][k], degrees(out["rotation_bound_rad"][k])
-        found = [] if bounds["why_not"].values[k] else [f"u {number(u)} mm", f"rotation {number(turn)} deg"]
-        found += [f"utilisation {number(out['utilisation_bound'][k], 3)}"]
-        texts += [f"bound: {', '.join(found)}"] * bool(bounded[k])
+        if left[k] < 1.0:
+            texts.append(f"loads at equal motion at least {100.0 * left[k]:.0f} % of those of the springs")
+        texts += ["no bound: no vertical path leads beyond V"] * bool(np.isnan(left[k])) + [GOVERNS] * bool(twisted[k])
+        texts += [_bound_words(out.iloc[k])] * bool(bounded[k])
         out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts]))
     return out
+
+
+def _bound_words(row: pd.Series) -> str:
+    """Return words on the bound of a row; without motions where the load of the bound has no answer."""
+    turn = degrees(row["rotation_bound_rad"])
+    found = [f"u {number(1e3 * row['u_bound_m'])} mm", f"rotation {number(turn)} deg"]
+    found += [f"tilt used {number(turn / row['tilt_limit_deg'], 3)}"] * bool(np.isfinite(row["tilt_limit_deg"]))
+    found *= bool(np.isfinite([row["u_bound_m"], turn]).all())
+    return "bound: " + ", ".join([*found, f"utilisation {number(row['utilisation_bound'], 3)}"])
 
 
 def _with_twist(frame: pd.DataFrame, cases: LoadCases, answers: xr.Dataset, space: NDArray[np.bool_]) -> pd.DataFrame:

@@ -120,34 +120,45 @@ class LoadCases:
             texts.append("; ".join(filter(None, (text, below_mudline(H, M) if opposed else ""))))
         return tuple(texts)
 
-    def bounded(self, radius: float | None, torsion: bool = False) -> LoadCases:
+    def twisted(self, radius: float | None) -> NDArray[np.bool_]:
+        """Return which cases have a torsion that `bounded` does not bound: T/R above half of (H, M/D), or R unknown.
+
+        T alone fails by friction on the wall, H by the ground: T/R is below the largest H where T has its own capacity.
+        """
+        if radius is None:
+            return self.torsion != 0.0
+        size = np.hypot(radius * self.H, 0.5 * np.hypot(self.M, self.across))
+        twisted: NDArray[np.bool_] = np.abs(self.torsion) > 0.5 * size
+        return twisted
+
+    def bounded(self, radius: float | None, kept: bool | NDArray[np.bool_] = False) -> LoadCases:
         """Return the cases in one plane and without torsion, with loads on the safe side, and remarks that say so.
 
         All of the moment acts in the plane of H and overturns, and T over the radius of the caisson [m] is added to H
-        (None: not known, T is left out): a bound in ground that is the same in all directions. With ``torsion`` T
-        stays what it is.
+        (None: not known, T is left out): a bound in ground that is the same in all directions, but for cases that are
+        `twisted`. In cases that are kept (n,) T stays what it is, beside H.
         """
-        if torsion:
-            return replace(replace(self, torsion=0.0 * self.torsion).bounded(radius), torsion=self.torsion)
         aside, way = self.aside, np.sign(self.H)
         way = np.where(way != 0.0, way, np.where(self.M != 0.0, np.sign(self.M), 1.0))
-        added = np.zeros(len(self)) if radius is None else np.abs(self.torsion) / radius
+        torsion = np.where(kept, self.torsion, 0.0)
+        added = np.zeros(len(self)) if radius is None else np.abs(self.torsion - torsion) / radius
         H = np.where(aside, way * (np.abs(self.H) + added), self.H)
         M = np.where(aside, way * np.hypot(self.M, self.across), self.M)
+        parts = zip(self.across, self.torsion - torsion, added, self.twisted(radius).tolist(), strict=True)
         remarks = tuple(
-            "; ".join(filter(None, (text, _bound_words(*each)))) if each[0] or each[1] else text
-            for text, each in zip(self.remarks, zip(self.across, self.torsion, added, strict=True), strict=True)
+            "; ".join(filter(None, (text, _bound_words(*each)))) for text, each in zip(self.remarks, parts, strict=True)
         )
-        nothing = np.zeros(len(self))
-        return replace(self, H=H, M=M, across=nothing, torsion=nothing, remarks=remarks)
+        return replace(self, H=H, M=M, across=np.zeros(len(self)), torsion=torsion, remarks=remarks)
 
 
-def _bound_words(across: float, torsion: float, added: float) -> str:
+def _bound_words(across: float, torsion: float, added: float, twisted: bool) -> str:
     """Return words on the loads of a bound: moment across the plane of H, torsion [N m], and what it adds to H [N]."""
     share = f"T/R = {number(1e-3 * added)} kN on H" if added else "left out, the radius is not known"
     texts = (
         f"moment across of {number(1e-3 * abs(across))} kN m turned into the plane of H" if across else "",
-        f"torsion of {number(1e-3 * abs(torsion))} kN m as {share}" if torsion else "",
+        f"torsion of {number(1e-3 * abs(torsion))} kN m as {share}{', no bound: T governs' * twisted}"
+        if torsion
+        else "",
     )
     return ", ".join(filter(None, texts))
 

@@ -16,8 +16,9 @@ from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
 from pysprings.scene.model import Scene
+from pysprings.studies.capacity.envelope import closed
 from pysprings.studies.capacity.plan import CHARACTERISTIC, TORSION_ALONE
-from pysprings.studies.capacity.points import Capacity, closed
+from pysprings.studies.capacity.points import Capacity
 
 _WIDTH = 5.6  # inch of a panel
 
@@ -163,7 +164,14 @@ MACRO = (
 
 
 def _remark(row: Row) -> str:
-    texts = ("no envelope at this V" * bool(row["off_load"]), "upper bound" * bool(row["upper_bound"]), row["remarks"])
+    off = bool(row["off_load"])
+    unknown = bool(np.isnan(row["utilisation"])) and not off
+    texts = [
+        "no envelope at this V" * off,
+        "no capacity in its direction" * unknown,
+        "upper bound" * row["upper_bound"],
+    ]
+    texts.append(row["remarks"])
     return ", ".join(filter(None, texts))
 
 

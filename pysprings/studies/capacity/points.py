@@ -6,7 +6,6 @@ Each run has a folder of its own: ended runs stay, interrupted ones are resumed.
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -22,8 +21,6 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.path_kinds import LOADS, MOTIONS
-from pysprings.core.tables.load_cases import LoadCases
-from pysprings.core.vertical_loads import same_load
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.diagnosis import DisplacementLimit
@@ -181,89 +178,6 @@ def assess(states: Array, scene: Scene, direction: Direction, why: str = "") -> 
     return Point(
         direction, float(load[best]), rest, H, V, M, T, u, w, rotation, twist, criterion, growth, share, why
     )  # fmt: skip
-
-
-def closed(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the points without torsion of one envelope by growing angle, the mirrored first one at the end."""
-    points = table[table["torsion_deg"] == 0.0].sort_values("direction_deg")
-    first = points.iloc[[0]].copy()
-    for name in ("H_N", "M_Nm", "H_macro_N", "M_macro_Nm"):
-        first[name] = -first[name]
-    first["direction_deg"] += 180.0
-    return pd.concat([points, first], ignore_index=True)
-
-
-def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
-    """Return a row a case and strength: its load over the chord in its direction, at the nearest computed V.
-
-    `off_load` is 1 where the V of a case is none of those computed, to 0.1 %: not the 10 % of springs, as an envelope
-    closes where V nears its own capacity, and a tenth of V is not small there. A case without V has the worst of all.
-    """
-    rows = []
-    for strength, own in table.groupby("strength", sort=False):
-        loads = own["V_N"].drop_duplicates().to_numpy(dtype=float)
-        for k, name in enumerate(cases.name):
-            near = loads if np.isnan(cases.V[k]) else loads[[int(np.argmin(np.abs(loads - cases.V[k])))]]
-            load = np.array([cases.H[k], cases.M[k], cases.torsion[k]])
-            found = [_along(own[own["V_N"] == V], load) for V in near]
-            worst = int(np.argmax([np.inf if np.isnan(share) else share for share, _ in found]))
-            (share, known), nearest = found[worst], float(near[worst])
-            V = nearest if np.isnan(cases.V[k]) else float(cases.V[k])
-            off = not same_load(V, nearest)
-            rows.append({
-                "name": name, "limit_state": cases.limit_state[k], "strength": strength, "H_N": float(cases.H[k]),
-                "M_Nm": float(cases.M[k]), "T_Nm": float(cases.torsion[k]), "V_N": V, "V_of_envelope_N": nearest,
-                "off_load": int(off),
-                "H_capacity_N": float(cases.H[k]) / share if share > 0.0 else np.nan,
-                "M_capacity_Nm": float(cases.M[k]) / share if share > 0.0 else np.nan,
-                "T_capacity_Nm": float(cases.torsion[k]) / share if share > 0.0 else np.nan,
-                "utilisation": share if not off else np.nan, "upper_bound": int(not known),
-                "remarks": cases.notes[k],
-            })  # fmt: skip
-    return pd.DataFrame(rows)
-
-
-def _along(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
-    """Return the share that a load (H, M, T) is of an envelope in its direction, and whether capacities bound it.
-
-    Without torsion it is that of the chord between two directions, with torsion that of the triangle of three.
-    """
-    if not load.any():
-        return 0.0, True
-    return _along_chord(closed(points), *load[:2]) if load[2] == 0.0 else _along_face(points, load)
-
-
-def _along_face(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
-    """Return the share and whether capacities bound it, of a load (H, M, T) between three neighbouring directions.
-
-    The directions are those of the points and of their mirror images; neighbours are corners of a face of the convex
-    hull of directions. NaN where the points do not enclose the origin.
-    """
-    from scipy.spatial import ConvexHull
-
-    own = points[["H_N", "M_Nm", "T_Nm"]].to_numpy(dtype=float)
-    scaled = np.vstack([own * [s, s, t] for s in (1.0, -1.0) for t in (1.0, -1.0)])
-    scaled /= (scale := np.maximum(np.abs(scaled).max(axis=0), 1e-300))
-    if np.linalg.matrix_rank(scaled, tol=1e-6) < 3:
-        return math.nan, False
-    faces = ConvexHull(scaled / np.linalg.norm(scaled, axis=1)[:, None]).simplices
-    shares = np.linalg.solve(scaled[faces].swapaxes(1, 2), (load / scale)[:, None])[..., 0]
-    k = int(np.argmax(shares.min(axis=1) / np.abs(shares).sum(axis=1)))
-    used = faces[k][shares[k] > 1e-9 * shares[k].sum()] % len(own)
-    return float(shares[k].sum()), bool(points["is_capacity"].to_numpy(dtype=bool)[used].all())
-
-
-def _along_chord(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, bool]:
-    """Return the share that a load is of the chord in its direction, and whether both of its ends are capacities."""
-    points = envelope[["H_N", "M_Nm"]].to_numpy(dtype=float)
-    known = envelope["is_capacity"].to_numpy(dtype=bool)
-    for k in range(len(points) - 1):
-        pair = np.column_stack([points[k], points[k + 1]])
-        for sign in (1.0, -1.0):
-            shares = np.linalg.solve(pair, sign * np.array([H, M]))
-            if (shares >= -1e-9 * math.fsum(np.abs(shares))).all():
-                return float(shares.sum()), bool(known[k] and known[k + 1])
-    return math.nan, False
 
 
 SMALL_STEPS = {"max_step_fraction": 0.01, "first_step_fraction": None}

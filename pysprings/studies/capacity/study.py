@@ -5,6 +5,7 @@ import math
 import os
 import warnings
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,8 @@ from pysprings.scene.model import Scene
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, points
-from pysprings.studies.capacity.points import Capacity, Point, along_load, utilisation
+from pysprings.studies.capacity.envelope import utilisation
+from pysprings.studies.capacity.points import Capacity, Point, along_load
 from pysprings.studies.stored_runs import RUNS
 
 _ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
@@ -56,6 +58,13 @@ def scene_of(scene: Scene, mesh: str | None = None, discretisation: str | None =
     if discretisation not in (None, scene.mesh.discretisation):
         changed |= {"discretisation": discretisation, "azimuth": None, "harmonics": None}
     return scene.replace(mesh=changed)
+
+
+def with_torsion(scene: Scene, request: plan.Request, cases: LoadCases) -> plan.Request:
+    """Return what is asked for with T alone, too, where load cases have a torsion and the scene's model carries it."""
+    needed = not request.torsion and bool(cases.torsion.any())
+    carried = needed and next(off_plane_refusals(scene, whole=True), None) is None
+    return replace(request, torsion=(0.5 * math.pi,)) if carried else request
 
 
 def study(

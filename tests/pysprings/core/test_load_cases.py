@@ -99,6 +99,20 @@ def test_what_lies_beside_the_plane_of_the_force_is_kept_by_row(tmp_path: Path) 
     np.testing.assert_allclose(np.abs(cases.bounded(None).H), np.abs(cases.H))
 
 
+def test_a_torsion_that_governs_has_no_bound(tmp_path: Path) -> None:
+    """T/R (R 4 m) above half of (H, M/8 m), or R unknown; kept torsions stay beside H, with a moment across turned."""
+    rows = ("alone,0,0,0,-90", "less,100,0,0,199", "more,100,0,0,-201", "moment,0,1600,0,399", "across,100,0,900,300")
+    cases = table(tmp_path, "name,Fx [kN],My [kN m],Mx [kN m],Mz [kN m],Fy [kN],Fz [kN]", *(f"{r},0,0" for r in rows))
+    assert cases.twisted(4.0).tolist() == [True, False, True, False, False]
+    assert cases.twisted(None).all() and not cases.twisted(4.0)[cases.torsion == 0.0].any()
+    words = [", no bound: T governs" in text for text in cases.bounded(4.0).remarks]
+    assert words == [True, False, True, False, False]
+    kept = cases.bounded(4.0, cases.twisted(4.0))
+    assert kept.torsion.tolist() == [-90e3, 0.0, -201e3, 0.0, 0.0] and kept.remarks[0] == ""
+    np.testing.assert_allclose(kept.H, [0.0, 100e3 + 199e3 / 4, 100e3, 399e3 / 4, 175e3])
+    np.testing.assert_allclose(kept.M, [0.0, 0.0, 0.0, 1600e3, 900e3])
+
+
 def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:
     head = "name,H [kN],M [kN m],T [kN m],factor H"
     cases = table(tmp_path, head, "a,1000,-2000,10,1.35", "b,1000,-2000,10,")

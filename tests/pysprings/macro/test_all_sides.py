@@ -199,6 +199,7 @@ def test_design_answers_rows_out_of_one_plane(tmp_path: Path) -> None:
     assert table.loc["across", "marks"] == (APART.format(apart) if apart > MOST_APART else "")
     assert (table.loc["far", "marks"], table.loc["far", "verdict"]) == (SIDEWAYS, "no answer")
     assert table.loc["other V", "marks"].startswith("V not covered") and table.loc["other V", "verdict"] != "ok"
+    assert "left out" not in table.loc["other V", "marks"] and "no vertical path" in table.loc["other V", "marks"]
 
 
 def test_the_set_in_space_is_built_for_rows_aside_alone(monkeypatch) -> None:

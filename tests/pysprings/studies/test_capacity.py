@@ -13,8 +13,9 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
 from pysprings.studies.capacity import picture, plan, points, study
+from pysprings.studies.capacity.envelope import utilisation
 from pysprings.studies.capacity.picture import envelopes
-from pysprings.studies.capacity.points import Capacity, Criterion, assess, utilisation
+from pysprings.studies.capacity.points import Capacity, Criterion, assess
 from tests.support import tiny
 from tests.support.commands import command
 
@@ -166,7 +167,7 @@ def torsion_cases(folder: Path) -> LoadCases:
     file = folder / "torsion.csv"
     rows = ["plane,500,0,1000,0", "alone,0,0,1000,-1500", "both,-400,600,1000,-1200", "beyond,600,1600,1000,2400"]
     file.write_text("\n".join(["name,H [kN],M [kN m],V [kN],T [kN m]", *rows]) + "\n", encoding="utf-8")
-    return read_load_cases(file).bounded(0.5 * D, torsion=True)
+    return read_load_cases(file).bounded(0.5 * D, kept=True)
 
 
 def test_utilisation_with_torsion_is_that_of_neighbours(tmp_path: Path) -> None:
@@ -183,6 +184,42 @@ def test_utilisation_with_torsion_is_that_of_neighbours(tmp_path: Path) -> None:
     dent = sphere()
     dent.loc[dent["torsion_deg"] > 89.0, "T_Nm"] *= 0.5
     assert utilisation(dent, cases).set_index("name")["utilisation"]["alone"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("rows", [[], [3], [3, 24], [24]])
+def test_directions_that_are_missing_leave_no_number(tmp_path: Path, rows: list[int]) -> None:
+    """One probe of the plane, of torsion, or of both: what they do not enclose has no utilisation, and no bound."""
+    table = sphere().iloc[rows] if rows else sphere().iloc[8:]
+    for cases in (read_load_cases(cases_file(tmp_path)), torsion_cases(tmp_path)):
+        found = utilisation(table, cases)
+        enclosed = found["T_Nm"].ne(0.0) if not rows else found["name"].isin(["none"])
+        assert found["utilisation"].notna().tolist() == enclosed.tolist() and not found["upper_bound"].any()
+        unknown = found[found["utilisation"].isna() & (found["off_load"] == 0)]
+        texts = [row[-1] for row in picture.table_of_cases(unknown).rows]
+        assert texts and all("no capacity in its direction" in text for text in texts)
+    study.write(tmp_path, Capacity(SCENE, plan.Request((1e6,)), table, found, ()))
+    assert (tmp_path / "capacity.png").exists() and (tmp_path / "report.html").exists()
+
+
+def test_load_cases_with_torsion_ask_for_the_capacity_of_t_alone(tmp_path: Path) -> None:
+    """T at its own capacity, 5.676 MN m on a radius of 4 m, is used up; T/R on H would be 0.75 of 1.901 MN."""
+    series, cases = SCENE.replace(mesh={"discretisation": "fourier"}), torsion_cases(tmp_path)
+    request = plan.Request((1e6,), directions=2)
+    assert study.with_torsion(series, request, cases).all_directions[2:] == [(0.0, math.pi / 2)]
+    asked = plan.Request((1e6,), directions=2, torsion=(0.5,))
+    assert study.with_torsion(series, asked, cases) == asked
+    assert study.with_torsion(series, request, read_load_cases(cases_file(tmp_path))) == request
+    bricks = SCENE.replace(mesh={"discretisation": "hex8"})
+    assert study.with_torsion(bricks, request, cases) == request
+    file = tmp_path / "alone.csv"
+    file.write_text("name,H [kN],V [kN],T [kN m]\nalone,0,1000,5676\nlittle,950.5,1000,567.6\n", encoding="utf-8")
+    read = read_load_cases(file)
+    plane = circle().assign(H_N=lambda t: 1.901 * t["H_N"])
+    found = utilisation(plane, read.bounded(4.0, read.twisted(4.0)))
+    assert np.isnan(found["utilisation"][0]) and found["utilisation"][1] == pytest.approx(0.5 + 0.1419 / 1.901)
+    alone = circle().iloc[[3]].assign(H_N=0.0, M_Nm=0.0, T_Nm=5.676e6, torsion_deg=90.0)
+    both = utilisation(pd.concat([plane, alone], ignore_index=True), read.bounded(4.0, kept=True))
+    assert both["utilisation"].tolist() == pytest.approx([1.0, 0.6])
 
 
 def test_water_that_flows_has_no_capacity(tmp_path: Path) -> None:
