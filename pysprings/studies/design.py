@@ -117,6 +117,7 @@ def answer_cases(
 
 MOTIONS = {"u_m": "u", "w_m": "w", "rotation_rad": "rotation", "tilt_used": "tilt"}
 LARGEST = MOTIONS | {"utilisation": "utilisation", "utilisation_V": "V used"}
+BOUNDS = {"u_bound_m": "u", "rotation_bound_rad": "rotation", "utilisation_bound": "utilisation"}
 
 
 def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -124,7 +125,7 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
 
     A row that governs has the largest motion and utilisation over the estimates, and the worst verdict; `estimate`
     names the estimate of each: "low (u, rotation), high (utilisation)". Everything else is of the estimate of that
-    verdict. Motions are blank where one estimate has no answer: the largest is not known.
+    verdict. Motions are blank where one estimate has no answer, bounds where one has none: the largest is not known.
     """
     order = (OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)
     all_rows, rows = [], []
@@ -139,6 +140,8 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
             name = max(values, key=lambda each: abs(values[each]), default="")
             row[column] = values.get(name, np.nan)
             found.setdefault(name, []).append(words)
+        for column in BOUNDS:
+            row[column] = np.max([each.get(column, np.nan) for each in own.values()])  # NaN where one is
         for column in ("tilt_deg", *(name for name in row.index if name.startswith("group_"))):
             row[column] = max((each[column] for each in own.values()), key=abs) if known else np.nan
         row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
@@ -256,7 +259,7 @@ def _with_bounds(
     bounded = np.isfinite(left) & ~twisted & (aside | beyond)
     for column, load in (("across_Nm", cases.across), ("torsion_Nm", cases.torsion)):
         out[column] = np.where(load != 0.0, load, np.nan)
-    for column, name in (("u_bound_m", "u"), ("rotation_bound_rad", "rotation"), ("utilisation_bound", "utilisation")):
+    for column, name in BOUNDS.items():
         out[column] = np.where(bounded, np.abs(bounds[name].values), np.nan)
     for k in np.flatnonzero((aside & ~space) | beyond):
         lost = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}

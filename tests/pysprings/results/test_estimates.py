@@ -99,6 +99,17 @@ def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
     assert worst["estimate"][0].startswith("low (utilisation")
 
 
+def test_bounds_are_the_largest_over_the_estimates() -> None:
+    row = {"name": "a", "u_m": 1.0, "w_m": 0.0, "rotation_rad": 1.0, "tilt_used": 0.1, "utilisation": 0.5}
+    row |= {"utilisation_V": 0.2, "marks": "", "answered": 1, "verdict": "supported in part", "tilt_deg": 1.0}
+    low, high = (
+        {"u_bound_m": u, "rotation_bound_rad": 3.0 - u, "utilisation_bound": r} for u, r in ((1, 0.8), (2, np.nan))
+    )
+    _, worst = governing({"low": pd.DataFrame([row | low]), "high": pd.DataFrame([row | high])})
+    assert (worst["u_bound_m"][0], worst["rotation_bound_rad"][0]) == (2.0, 2.0)
+    assert np.isnan(worst["utilisation_bound"][0])
+
+
 def test_exports_are_in_the_folders_of_the_estimates_and_name_them(ran: tuple[Path, Result], tmp_path: Path) -> None:
     done = command("export", ran[0], "--to", "csv", "--out", tmp_path)
     assert done.code == 0, done.err
