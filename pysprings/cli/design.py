@@ -83,19 +83,13 @@ def design(
     from pysprings.studies.design import answer_cases
     from pysprings.studies.group import answer_group, read_group
 
-    given = quantities({"--tilt": (tilt, "rad", "0.25 deg"), "--joint": (joint, "N m/rad", "2 GN m/rad")})
-    tolerance = given["--tilt"]
-    for name, value in given.items():
-        if value is not None and value <= 0.0:
-            refuse(name, f"a {'tolerance' if name == '--tilt' else 'stiffness'} must be positive")
-    if joint is not None and group is None:
-        refuse("--joint", "is the stiffness between caissons and the frame of a --group, which is missing")
+    tolerance, stiffness = _checked(tilt, joint, group)
     for file in out or ():
         files.check_ending(file)
     if in_report:
         files.check_run(result)
     read = read_load_cases(used := cases or cases_of(result))
-    placed = None if group is None else read_group(group, given["--joint"] or math.inf)
+    placed = None if group is None else read_group(group, stiffness or math.inf)
     more = {"springs_kind": spring_set, "path": path}
 
     def answer(springs: AnySprings) -> pd.DataFrame:
@@ -117,19 +111,35 @@ def design(
     if as_json:
         every = {} if answers is table else {"estimates": answers.to_dict("records")}
         print_json({"about": about, "cases": table.to_dict("records"), **every})
-    else:
-        if cases is None:
-            print(f"load cases: {used} as it is now ([design] cases of the run)\n")
-        print_table(text.table_of(table, brief=True))
-        print(f"\n{text.closing(table)}")
-        if placed:
-            print(table.attrs["group"])
-        for file in out or ():
-            print(f"{file}: the answers")
-        if in_report:
-            print(f"{result / 'report.html'}: the report of the run, with the answers")
-        if record:
-            print_summary(record)
+        return
+    if cases is None:
+        print(f"load cases: {used} as it is now ([design] cases of the run)\n")
+    written = [f"{file}: the answers" for file in out or ()]
+    if in_report:
+        written.append(f"{result / 'report.html'}: the report of the run, with the answers")
+    _print(table, written)
+    if record:
+        print_summary(record)
+
+
+def _checked(tilt: str | None, joint: str | None, group: Path | None) -> tuple[float | None, float | None]:
+    """Return tolerated tilt [rad] and stiffness of a joint [N m/rad]; refuse what is not positive or has no group."""
+    given = quantities({"--tilt": (tilt, "rad", "0.25 deg"), "--joint": (joint, "N m/rad", "2 GN m/rad")})
+    for name, value in given.items():
+        if value is not None and value <= 0.0:
+            refuse(name, f"a {'tolerance' if name == '--tilt' else 'stiffness'} must be positive")
+    if joint is not None and group is None:
+        refuse("--joint", "is the stiffness between caissons and the frame of a --group, which is missing")
+    return given["--tilt"], given["--joint"]
+
+
+def _print(table: pd.DataFrame, written: list[str]) -> None:
+    """Print the table of answers with its closing lines, and what was written."""
+    from pysprings.results.report import load_cases as text
+
+    print_table(text.table_of(table, brief=True))
+    group = [table.attrs["group"]] if "group" in table.attrs else []
+    print("\n".join([f"\n{text.closing(table)}", *group, *written]))
 
 
 def cases_of(result: Path) -> Path:
