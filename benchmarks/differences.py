@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from pysprings.core.files.storage import read_tree
+from pysprings.core.storage import read_tree
 
 
 def difference(one: Path, other: Path) -> float:

@@ -27,7 +27,7 @@ from scipy.stats import qmc
 from benchmarks import kept_runs
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.full_model.accuracy import measures, two_mesh
 from pysprings.full_model.accuracy.curves import curves_of, samples
 from pysprings.full_model.accuracy.measures import cell_size

@@ -7,7 +7,7 @@ import xarray as xr
 
 from pysprings import Scene
 from pysprings.core import version
-from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.storage import read_tree, write_tree
 from pysprings.full_model.compute import compute
 
 

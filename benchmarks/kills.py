@@ -27,7 +27,7 @@ from pathlib import Path
 from benchmarks.differences import difference
 from pysprings import Scene
 from pysprings.cli import app
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.results.folder import run_to_folder
 from pysprings.scene.sections import PAPER, PAPER_SOIL
 

@@ -21,7 +21,7 @@ from pathlib import Path
 import psutil
 
 from benchmarks.differences import difference
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from tools.evidence_store import DATA, Table, store, to_csv
 
 COMMAND = "python -m benchmarks.studies"

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.version import __version__
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "evidence"

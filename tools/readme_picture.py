@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import pysprings
-from pysprings.core.files.storage import replacing
+from pysprings.core.storage import replacing
 from pysprings.results.plots.style import STYLE
 from tools.evidence_store import store, to_csv
 

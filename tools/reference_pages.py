@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.text import markdown_table
 from pysprings.core.variables import GROUPS
 from pysprings.core.version import __version__

@@ -16,7 +16,7 @@ from pysprings.cli.support import print_json, print_table, refuse
 from pysprings.core.columns import Table
 
 if TYPE_CHECKING:
-    from pysprings.results.analysis.two_runs import Run
+    from pysprings.results.two_runs import Run
 
 
 def compare(
@@ -75,7 +75,7 @@ def diff(
     as_json: Json = False,
 ) -> None:
     """Set two runs beside each other: scenes, initial stiffness, loads at equal motion, limit loads."""
-    from pysprings.results.analysis.two_runs import common_paths, differences
+    from pysprings.results.two_runs import common_paths, differences
 
     if out is not None:
         refuse_no_folder(out)
@@ -97,8 +97,8 @@ def diff(
 def open_run(folder: Path, name: str) -> Run:
     """Open the result and record of the folder of a run; refuse any other folder."""
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.analysis.two_runs import Run
     from pysprings.results.layout import open_result
+    from pysprings.results.two_runs import Run
 
     record = RunRecord.read(folder) if folder.is_dir() else None
     if record is None or not (folder / "full_model.nc").exists():

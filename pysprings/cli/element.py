@@ -20,9 +20,7 @@ from pysprings.core.words import ElementTest
 if TYPE_CHECKING:
     from pysprings.scene.ground import Stratum
     from pysprings.scene.model import Scene
-    from pysprings.studies.element.data import LabTest
-    from pysprings.studies.element.fit import Fit
-    from pysprings.studies.element.study import Outcome
+    from pysprings.studies.element import Fit, LabTest, Outcome
 
 _ROWS = (
     Column("test", "test", words=True),
@@ -87,7 +85,7 @@ def element(
         refuse("--strain", f"{strain:g} is not in (0, 1]")
     if test == "oedometer" and drainage == "undrained":
         refuse("--drainage", "an oedometer test drains")
-    from pysprings.studies.element.study import Request, run, write
+    from pysprings.studies.element import Request, run, write
 
     asked = _stresses(stress)
     tests = _tests(data, test, asked)
@@ -128,7 +126,7 @@ def _stresses(given: list[str] | None) -> tuple[float, ...]:
 
 
 def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) -> tuple[LabTest, ...]:
-    from pysprings.studies.element.data import read_tests
+    from pysprings.studies.element import read_tests
 
     if file is None:
         return ()
@@ -140,7 +138,7 @@ def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) ->
 def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, ...]:
     """Return the keys to be fitted."""
     from pysprings.core.text import suggestion
-    from pysprings.studies.element.fit import known_keys
+    from pysprings.studies.element import known_keys
 
     if text is None:
         return ()

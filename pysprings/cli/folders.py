@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import refuse
-from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.core.files.written import is_unfinished
+from pysprings.core.written import exclusive, is_unfinished, new_folder
 
 if TYPE_CHECKING:
     from pysprings.full_model.run_record import RunRecord

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from pysprings.cli.support import refuse, to_stderr
 from pysprings.core.errors import PyspringsError
-from pysprings.core.files.written import is_unfinished
+from pysprings.core.written import is_unfinished
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,7 @@ def springs_of(result: Path, strict: bool = False) -> xr.DataTree:
 
     With `strict` a file without the checksum of this program, which another one has written or changed, is refused.
     """
-    from pysprings.core.files.storage import CHANGED_ELSEWHERE, bytes_hold
+    from pysprings.core.storage import CHANGED_ELSEWHERE, bytes_hold
 
     refuse_unfinished(result, strict)
     springs, file = read_springs(result), result / "springs.nc" if result.is_dir() else result
@@ -74,7 +74,7 @@ def _are_of(folder: Path, record: RunRecord) -> bool:
 
 def read_springs(result: Path) -> xr.DataTree:
     """Open the springs of a result folder or spring file; extract them from a full-model file."""
-    from pysprings.core.files.storage import read_tree
+    from pysprings.core.storage import read_tree
     from pysprings.springs.checks import validate_springs
 
     path = result / "springs.nc" if result.is_dir() else result

@@ -11,8 +11,8 @@ import xarray as xr
 from pysprings.cli.support import print_table, refuse, to_stderr
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
-from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.process import uninterrupted
+from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import json_text
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 

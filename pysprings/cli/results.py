@@ -11,8 +11,8 @@ from pysprings.cli.inputs import read_springs
 from pysprings.cli.support import print_table, refuse
 from pysprings.core.columns import Table
 from pysprings.core.errors import printable
-from pysprings.core.files.written import WRITING
 from pysprings.core.text import number
+from pysprings.core.written import WRITING
 from pysprings.full_model.run_record import FILE, RunRecord
 from pysprings.results.layout import FIGURES, listed_pictures, run_files
 

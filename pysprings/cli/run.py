@@ -31,8 +31,8 @@ from pysprings.cli.options import (
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
 from pysprings.core.errors import ResourceError, RunIncomplete
-from pysprings.core.files.written import is_unfinished
 from pysprings.core.words import FigureFormat, Figures
+from pysprings.core.written import is_unfinished
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene

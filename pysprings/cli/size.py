@@ -18,7 +18,7 @@ from pysprings.core.errors import following
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.studies.sizing.search import Candidate, Search
+    from pysprings.studies.sizing import Candidate, Search
 
 
 def size(
@@ -53,7 +53,7 @@ def size(
     from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
     from pysprings.studies.atlas.model import open_atlas
-    from pysprings.studies.sizing.search import Search, Wanted, bounds_of, least_confirmed
+    from pysprings.studies.sizing import Search, Wanted, bounds_of, least_confirmed
 
     given = quantities(
         {"--tilt": (tilt, "rad", "0.25 deg"), "--D-min": (least, "m", "3 m"), "--D-max": (most, "m", "20 m")}
@@ -84,7 +84,7 @@ def size(
 def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -> list[Path]:
     from pysprings.results.exporters.csv import write_frame
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.sizing.search import candidates, table_of
+    from pysprings.studies.sizing import candidates, table_of
 
     table = table_of(search.tried)
     files = [write_frame(table, out / "candidates.csv")]
@@ -96,7 +96,7 @@ def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -
 def _remarks(search: Search, best: Candidate, confirmed: bool) -> list[str]:
     """Return what is to be remarked on the least caisson: where the atlas ends, its mesh, bounds of load cases."""
     from pysprings.studies.atlas.springs import mesh_words
-    from pysprings.studies.sizing.search import EDGE
+    from pysprings.studies.sizing import EDGE
 
     cases = search.wanted.cases.bounded(0.5 * best.D)
     texts = [f"{name}: {remark}" for name, remark in zip(cases.name, cases.notes, strict=True) if remark]

@@ -11,9 +11,9 @@ from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Json, Result, named
 from pysprings.cli.support import refuse, to_stderr
-from pysprings.core.files.written import note, own_folder
 from pysprings.core.text import plain_table
 from pysprings.core.words import Use
+from pysprings.core.written import note, own_folder
 from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS
 

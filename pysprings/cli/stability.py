@@ -10,9 +10,9 @@ import pandas as pd
 from pysprings.cli.support import interruptible, print_json, to_stderr
 from pysprings.core.columns import records
 from pysprings.core.errors import following
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.workers import cores
-from pysprings.studies.stability import catalogue as stability
+from pysprings.studies import stability
 
 
 def run(
@@ -56,9 +56,8 @@ def run(
 def _write(table: pd.DataFrame, out: Path, formats: Sequence[str]) -> None:
     """Write stability.csv, stability.md and stability.png or stability.svg."""
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.stability.catalogue import catalogue
 
     write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
     write_text(stability.to_markdown(table), out / "stability.md")
     with following("the picture was"):
-        redraw(lambda: catalogue(table), out / "stability", formats)
+        redraw(lambda: stability.catalogue(table), out / "stability", formats)

@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 
 from pysprings.core.errors import ResourceError, refused
-from pysprings.core.files.storage import leftovers, replacing
-from pysprings.core.files.written import CHECKPOINT, COMPANION, checkpoints_in, own_folder
+from pysprings.core.storage import leftovers, replacing
+from pysprings.core.written import CHECKPOINT, COMPANION, checkpoints_in, own_folder
 
 FORMAT = "pysprings-checkpoint-3"
 EVERY = 60.0  # s between two checkpoints of a path on its way

@@ -18,12 +18,11 @@ import xarray as xr
 from fe_engine.errors import FEError
 from fe_engine.state import State
 from pysprings.core.errors import out_of_memory
-from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.core.files.written import is_unfinished, refuse_links
 from pysprings.core.process import blas_on_one_thread
 from pysprings.core.progress import Progress, Total
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Workers
+from pysprings.core.written import exclusive, is_unfinished, new_folder, refuse_links
 from pysprings.full_model.accuracy.own_estimate import (
     AT_LEAST,
     LONGEST,

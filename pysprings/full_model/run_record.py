@@ -16,8 +16,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pysprings.core.files.written import WRITING, is_unfinished
 from pysprings.core.words import StopReason
+from pysprings.core.written import WRITING, is_unfinished
 
 if TYPE_CHECKING:
     import xarray as xr

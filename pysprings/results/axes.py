@@ -46,7 +46,7 @@ def axes_svg() -> str:
 
 def write_axes_svg(file: str | os.PathLike[str]) -> Path:
     """Write the sketch to a file, whole or not at all, and return its path."""
-    from pysprings.core.files.storage import write_text
+    from pysprings.core.storage import write_text
 
     return write_text(axes_svg(), file)
 

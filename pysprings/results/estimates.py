@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.columns import Table
-from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.path_kinds import kind_of
+from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
 from pysprings.core.words import ESTIMATES
-from pysprings.results.analysis.two_runs import LOAD_UNITS, Run, common_paths, curve, moved
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import FIGURES
+from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, moved
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
-from pysprings.core.files.storage import remove_leftovers, write_attribute, write_text, write_tree
-from pysprings.core.files.written import LIST, WRITING, note, noted, own_folder
 from pysprings.core.progress import Progress
+from pysprings.core.storage import remove_leftovers, write_attribute, write_text, write_tree
 from pysprings.core.text import json_text
 from pysprings.core.words import Figures, StopReason
+from pysprings.core.written import LIST, WRITING, note, noted, own_folder
 from pysprings.full_model.accuracy import target
 from pysprings.full_model.accuracy.own_estimate import PHASE
 from pysprings.full_model.compute import RunOptions, Sink, run_into, scene_to_run

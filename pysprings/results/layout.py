@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pysprings.core.errors import refused
-from pysprings.core.files.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.core.path_kinds import beam_order, has_free_head
+from pysprings.core.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.full_model.run_record import ATTRIBUTE
 from pysprings.results.exporters import EXPORTERS
 from pysprings.springs.checks import RESULT
@@ -138,7 +138,7 @@ def open_result(path: str | os.PathLike[str]) -> xr.DataTree:
     UserInputError
         The file is missing, broken, or no result of a full model.
     """
-    from pysprings.core.files.storage import read_tree
+    from pysprings.core.storage import read_tree
 
     file = Path(path)
     file = file / "full_model.nc" if file.is_dir() else file

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pysprings.core.errors import refused
-from pysprings.core.files.storage import replacing
+from pysprings.core.storage import replacing
 
 # xlsxwriter: a text stays a text (a name may begin with =, or be an address)
 PLAIN_CELLS = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}

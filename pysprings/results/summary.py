@@ -14,7 +14,7 @@ import numpy as np
 from pysprings.core.errors import PyspringsError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
-from pysprings.results.analysis.parts import load_sizes
+from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
 from pysprings.scene.model import caisson_text, ground_text

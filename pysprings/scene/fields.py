@@ -17,10 +17,10 @@ from pydantic import ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pysprings.core import units
-from pysprings.core.files.written import is_device
 from pysprings.core.magnitudes import slip
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
+from pysprings.core.written import is_device
 
 FROM_TOML = {"bare_numbers": False}  # validation context of a scene that comes from a file
 QUANTITY_PATTERN = r"^\s*[+\-−]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+\-]?[0-9]{1,4})?\s*[^0-9\s.,_'].*$"

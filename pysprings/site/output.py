@@ -162,7 +162,7 @@ def write_table(rows: Sequence[Sequence[Any]], path: Path) -> None:
 
     Raises UserInputError: another ending.
     """
-    from pysprings.core.files.storage import replacing, write_text
+    from pysprings.core.storage import replacing, write_text
 
     if path.suffix.lower() == ".csv":
         stream = io.StringIO(newline="")

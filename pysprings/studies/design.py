@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from pysprings.core.columns import filled
 from pysprings.core.errors import refused
-from pysprings.core.files.storage import replacing, write_text
 from pysprings.core.planes import InPlane
+from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
 from pysprings.core.vertical_loads import close_loads, nearest
 from pysprings.core.words import RANGE_END

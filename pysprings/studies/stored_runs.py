@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.core import version
-from pysprings.core.files.written import keep, own_folder
 from pysprings.core.progress import duration
+from pysprings.core.written import keep, own_folder
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.springs.checks import RESULT
 

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from hypothesis import strategies as st
 
-from pysprings.core.files.storage import write_tree
+from pysprings.core.storage import write_tree
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Op, damage, ops
 from tests.support import synthetic
 

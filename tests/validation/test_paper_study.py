@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
-from pysprings.core.files.storage import read_tree
-from pysprings.core.files.written import is_unfinished
+from pysprings.core.storage import read_tree
+from pysprings.core.written import is_unfinished
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results import folder
 from pysprings.scene.sections import PAPER_SOIL

@@ -11,7 +11,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from pysprings.core.files.storage import replacing
+from pysprings.core.storage import replacing
 from pysprings.results.plots.style import STYLE
 from tools.evidence_store import DATA, LINE, store, tables_in, to_csv
 from validation.paper import figures, idealisations, runs, study, text

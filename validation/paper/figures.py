@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings.core.files.written import own_folder
+from pysprings.core.written import own_folder
 from pysprings.results import plots
-from pysprings.results.analysis.parts import path_data, section_data
+from pysprings.results.parts import path_data, section_data
 from validation.paper import curves as drawn
 from validation.paper import measures
 from validation.paper.cases import DEPTHS, END, PATH, SHOWN

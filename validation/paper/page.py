@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.columns import Table
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.text import number
 from pysprings.results.report.inputs import input_tables, mesh_table
 from pysprings.results.report.page import Picture, page_html, picture_uri

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.storage import read_tree, write_tree
 from validation.paper.cases import CASES, STEPS_MM, Case
 from validation.paper.measures import at
 

@@ -95,7 +95,7 @@ def load_runs(out: Path, mesh: str, cases: Sequence[Case] = CASES) -> dict[str, 
 
 def path_of(result: xr.DataTree) -> xr.Dataset:
     """Return the path of a run (converged steps) with the nodes of the symmetry plane and the size of the caisson."""
-    from pysprings.results.analysis.parts import section_data, settings
+    from pysprings.results.parts import section_data, settings
     from pysprings.springs.path import paths_of
 
     path = paths_of(result)[PATH].dataset

@@ -16,11 +16,11 @@ import numpy as np
 
 from pysprings.core import version
 from pysprings.core.errors import PyspringsError, UserInputError
-from pysprings.core.files.storage import write_text
-from pysprings.core.files.written import own_folder
 from pysprings.core.progress import duration
+from pysprings.core.storage import write_text
 from pysprings.core.text import json_text
 from pysprings.core.words import StopReason
+from pysprings.core.written import own_folder
 from validation.paper import measures as m
 from validation.paper.cases import DEPTHS, END, SHOWN, VARIANTS, Case, Variant
 

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.core.files.storage import remove_leftovers, write_text
-from pysprings.core.files.written import own_folder
+from pysprings.core.storage import remove_leftovers, write_text
+from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.results.exporters.csv import write_frame
 from pysprings.studies.stored_runs import RUNS
 from validation.paper import claims, figures, idealisations, page, runs, sensitivity, text

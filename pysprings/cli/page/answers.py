@@ -202,7 +202,7 @@ def profiles(answer: Answer) -> dict[str, tuple[Array, Array]]:
 
 def numbers(answer: Answer, source: Source, values: Values) -> list[tuple[str, str]]:
     """Return the numbers of an answer: names and texts; "-" where there is none."""
-    from pysprings.studies.sizing.search import steel_of
+    from pysprings.studies.sizing import steel_of
 
     facts = dict.fromkeys(("u", "tilt", "utilisation", "V used", "steel"), "-")
     if answer.way is not None:

@@ -135,7 +135,7 @@ class Target:
 
     def write(self, name: str, text: str) -> Path:
         """Write a text file into the folder, whole or not at all; return its path."""
-        from pysprings.core.files.storage import write_text
+        from pysprings.core.storage import write_text
 
         file = write_text(text, self.path / name)
         self.note(file)
@@ -190,7 +190,7 @@ def write_text_file(text: Callable[[Source, Options], str]) -> Callable[[Source,
     """Return the `write` of an exporter of one text file."""
 
     def write(source: Source, target: Target, options: Options) -> Exported:
-        from pysprings.core.files.storage import write_text
+        from pysprings.core.storage import write_text
 
         return Exported([write_text(text(source, options), target.path)])
 

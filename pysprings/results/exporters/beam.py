@@ -233,7 +233,7 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
         return write_text_file(_text)(source, target, options)
     import xlsxwriter
 
-    from pysprings.core.files.storage import replacing
+    from pysprings.core.storage import replacing
     from pysprings.results.sheets import HEAD, PLAIN_CELLS
 
     head, frame = beam_tables(source, options)

@@ -63,7 +63,7 @@ def write_load_displacement(result: xr.DataTree, path: str | os.PathLike[str]) -
 
 def write_frame(frame: pd.DataFrame, path: str | os.PathLike[str]) -> Path:
     """Write any table, such as the comparison with the full model; return the path."""
-    from pysprings.core.files.storage import write_text
+    from pysprings.core.storage import write_text
 
     return write_text(csv_text(frame), path)
 

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.variables import STRESSES
 from pysprings.springs.path import paths_of
 

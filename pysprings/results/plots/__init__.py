@@ -8,7 +8,7 @@ the data of its path. Those on given axes are `draw_paths`, `draw_py`, `draw_pro
 >>> plots.draw(springs, "py", "pull", depths=[1, 2]).savefig("py.png")    # doctest: +SKIP
 """
 
-from pysprings.results.analysis.parts import convergence_data, path_data, path_names, section_data
+from pysprings.results.parts import convergence_data, path_data, path_names, section_data
 from pysprings.results.plots.comparison import macro_against_full, memory_loops
 from pysprings.results.plots.draw import PICTURES, draw
 from pysprings.results.plots.files import save, save_all

@@ -9,7 +9,7 @@ import numpy as np
 
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.results.analysis.parts import converged
+from pysprings.results.parts import converged
 from pysprings.results.plots import style
 from pysprings.results.plots.comparison import LOOKS, SMALLEST
 from pysprings.results.plots.ground import draw_section, scene_of

@@ -16,7 +16,7 @@ from pysprings.core.path_kinds import MEMORY, PATH_KINDS, driven, turns_back
 from pysprings.macro.cycles import Followed, cycles
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import Control
-from pysprings.results.analysis.parts import converged
+from pysprings.results.parts import converged
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, unit_text
 from pysprings.springs.path import SpringPath

@@ -16,8 +16,8 @@ from pysprings.core.errors import refused
 from pysprings.core.registry import Registry
 from pysprings.core.text import suggestion
 from pysprings.macro.spring_sets import SPRING_SETS, with_stored
-from pysprings.results.analysis.parts import path_data, path_names, pick_step, section_data
 from pysprings.results.exporters.base import Source
+from pysprings.results.parts import path_data, path_names, pick_step, section_data
 from pysprings.results.plots import caisson, comparison, gap, ground, load, newton, overview, profiles, rose, section
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import drawn_on

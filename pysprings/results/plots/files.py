@@ -13,11 +13,11 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pysprings.core.files.storage import replacing
 from pysprings.core.registry import Registry
+from pysprings.core.storage import replacing
 from pysprings.core.words import MOST_DRAWN, Figures
-from pysprings.results.analysis.parts import path_data, pick_step, section_data
 from pysprings.results.layout import Drawn, stands_for
+from pysprings.results.parts import path_data, pick_step, section_data
 from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import STYLE, CompressedLayout

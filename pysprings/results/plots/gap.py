@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from pysprings.results.analysis.parts import Opening, openings, pick_step, plan_gap, skirt_gap
+from pysprings.results.parts import Opening, openings, pick_step, plan_gap, skirt_gap
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import of_state, step_text
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import driven
-from pysprings.results.analysis.parts import converged
+from pysprings.results.parts import converged
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, abscissa, spread_depths, unit_text
 from pysprings.results.plots.profiles import MOST_CURVES, depth_colours

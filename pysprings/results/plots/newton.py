@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from pysprings.results.analysis.parts import Attempt, attempts, failed_steps
+from pysprings.results.parts import Attempt, attempts, failed_steps
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.words import TILTS
-from pysprings.results.analysis.parts import ROUNDING, converged, load_sizes, settings
+from pysprings.results.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture
 from pysprings.springs.path import paths_of

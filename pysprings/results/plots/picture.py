@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import driven
-from pysprings.results.analysis.parts import converged, convergence_data, path_data, path_names, settings
+from pysprings.results.parts import converged, convergence_data, path_data, path_names, settings
 from pysprings.results.plots.style import KN, MM, MN, MRAD
 
 Scope = Literal["run", "path", "state"]

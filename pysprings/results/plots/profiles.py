@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import driven
-from pysprings.results.analysis.parts import converged
+from pysprings.results.parts import converged
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, depth_words, lateral_reaction, pick_depths, spread_depths
 from pysprings.springs.tip_zone import edge_rings

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Wedge
 from numpy.typing import NDArray
 
-from pysprings.results.analysis.parts import pick_step
+from pysprings.results.parts import pick_step
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Part, Picture, depth_words, of_state, pick_depths, step_text
 

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.results.analysis.parts import pick_step
+from pysprings.results.parts import pick_step
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, caisson_size, step_text
 

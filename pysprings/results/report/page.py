@@ -29,16 +29,16 @@ from numpy.typing import NDArray
 
 from pysprings.core import version
 from pysprings.core.columns import Table
-from pysprings.core.files.storage import read_tree, write_text
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.core.registry import Registry
+from pysprings.core.storage import read_tree, write_text
 from pysprings.core.words import TILTS
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.model import AnySprings
-from pysprings.results.analysis.parts import converged
 from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import Drawn, open_result, picture_kind, pictures_in, stands_for
+from pysprings.results.parts import converged
 from pysprings.results.report import inputs, load_cases, solution, validity
 from pysprings.results.report.inputs import ReportData, ReportTable, Section
 from pysprings.results.report.load_cases import read_answers

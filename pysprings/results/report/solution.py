@@ -13,7 +13,7 @@ from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number
 from pysprings.core.words import TILTS
 from pysprings.full_model.run_record import PathFigures
-from pysprings.results.analysis.parts import openings
+from pysprings.results.parts import openings
 from pysprings.results.report.inputs import ReportTable
 
 _PATH = Column("path", "path", words=True)

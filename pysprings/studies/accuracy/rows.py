@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.core.files.storage import read_tree
 from pysprings.core.path_kinds import driven
+from pysprings.core.storage import read_tree
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.curves import (
     LOAD,

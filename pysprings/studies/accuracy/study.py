@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core import version
 from pysprings.core.columns import Column, Table, records
 from pysprings.core.errors import following
-from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.core.files.storage import remove_leftovers, write_text
-from pysprings.core.files.written import own_folder
+from pysprings.core.storage import remove_leftovers, write_text
 from pysprings.core.text import json_text
+from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import FOURIER, SCHEMA, Setting, cheapest_within
 from pysprings.full_model.accuracy.target import TARGETS

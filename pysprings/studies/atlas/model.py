@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
-from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.storage import read_tree, write_tree
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.core.version import __version__

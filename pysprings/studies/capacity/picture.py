@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pysprings.core.columns import Column, Row, Table
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri

@@ -15,13 +15,12 @@ import pandas as pd
 from pysprings.core import version
 from pysprings.core.columns import records
 from pysprings.core.errors import PyspringsError, RunIncomplete, following, refused
-from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.core.files.storage import read_tree, remove_leftovers, write_text
-from pysprings.core.files.written import own_folder
 from pysprings.core.progress import Progress
+from pysprings.core.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.text import json_text
 from pysprings.core.words import RANGE_END
+from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import MacroModel

@@ -16,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.errors import refused
-from pysprings.core.files.storage import replacing
+from pysprings.core.storage import replacing
 from pysprings.core.text import suggestion
 from pysprings.core.units import unit_of
 from pysprings.core.variables import DOFS

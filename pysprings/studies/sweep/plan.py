@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 
 from pysprings.core.errors import Problem, UserInputError, refused
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.tables import Table, keyed_table
 from pysprings.core.tables.cells import NotANumber, number, text_of
 from pysprings.core.text import is_formula

@@ -16,10 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from pysprings.core.errors import ResourceError, refused
-from pysprings.core.files.lock import exclusive, new_folder
-from pysprings.core.files.storage import remove_leftovers, write_text
-from pysprings.core.files.written import own_folder
 from pysprings.core.progress import Progress, duration
+from pysprings.core.storage import remove_leftovers, write_text
+from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.studies.sweep.plan import (
     CASES,
     SKIP,

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from pysprings.core.errors import PyspringsError, ResourceError, RunIncomplete, UserInputError, shortened
-from pysprings.core.files.storage import write_text
+from pysprings.core.storage import write_text
 from pysprings.core.version import __version__
 from pysprings.scene.load import parse_scene
 from pysprings.studies.sweep.plan import DONE, FAILED, SCHEMA, SHORT, STOPPED

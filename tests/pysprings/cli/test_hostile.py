@@ -15,8 +15,8 @@ from pysprings import open_table
 from pysprings.cli import support
 from pysprings.core.columns import Table
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.storage import write_tree
 from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
+from pysprings.core.storage import write_tree
 from pysprings.core.tables import files as reader
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder

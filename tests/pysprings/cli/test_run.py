@@ -10,8 +10,8 @@ import pytest
 import pysprings.results.folder
 from fe_engine.errors import MeshError
 from pysprings.cli import results
+from pysprings.core import storage
 from pysprings.core.errors import RunIncomplete
-from pysprings.core.files import storage
 from pysprings.macro.comparison import compare
 from pysprings.scene.load import load_scene
 from pysprings.springs.checks import open_springs

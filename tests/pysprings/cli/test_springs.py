@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pysprings.core.files.storage import write_tree
+from pysprings.core.storage import write_tree
 from pysprings.macro.comparison import compare
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs

@@ -11,13 +11,13 @@ from pathlib import Path
 import pytest
 
 from pysprings.core.errors import ResourceError
-from pysprings.core.files.lock import exclusive
+from pysprings.core.written import exclusive
 from tests.support.commands import environment
 
 HOLD = """
 import sys, time
 from pathlib import Path
-from pysprings.core.files.lock import exclusive
+from pysprings.core.written import exclusive
 with exclusive(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(60)

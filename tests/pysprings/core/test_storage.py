@@ -12,7 +12,7 @@ from xarray.backends.locks import CombinedLock
 
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.core.files.storage import leftovers, read_tree, replacing, write_attribute, write_text, write_tree
+from pysprings.core.storage import leftovers, read_tree, replacing, write_attribute, write_text, write_tree
 from tests.support.commands import command
 from tests.support.synthetic import make_result, make_springs
 

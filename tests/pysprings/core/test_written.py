@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.written import LIST, listed, note, noted, own_folder
+from pysprings.core.written import LIST, listed, note, noted, own_folder
 
 
 def test_what_was_noted_is_found_again_by_folder(tmp_path: Path) -> None:

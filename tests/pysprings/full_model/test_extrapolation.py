@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 
 from pysprings import Scene, predict, predict_batch
 from pysprings.core.errors import RunIncomplete
-from pysprings.core.files.storage import read_tree
+from pysprings.core.storage import read_tree
 from pysprings.core.text import number
 from pysprings.full_model.accuracy import extrapolation, target, two_mesh
 from pysprings.full_model.compute import RunOptions, Sink, compute, run_into

@@ -8,7 +8,7 @@ import xarray as xr
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import Computed
 from pysprings.scene.model import Scene
-from pysprings.studies.stability.cases import CASES
+from pysprings.studies.stability import CASES
 from tests.support import tiny
 
 CASE = next(each for each in CASES if each.name == "K0-0.3-strong")

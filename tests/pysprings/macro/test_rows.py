@@ -15,7 +15,7 @@ from pysprings.macro.predict import predict
 from pysprings.scene.changes import read_changes
 from pysprings.springs.springs import Springs
 from pysprings.studies.design import answer_cases
-from pysprings.studies.sizing.search import Search, Wanted, answered
+from pysprings.studies.sizing import Search, Wanted, answered
 from tests.support.fans import fan_springs, potential
 from tests.support.vertical import REST, fan_with_vertical, vertical_springs
 

@@ -8,8 +8,7 @@ from benchmarks.domain_table import DIAMETER, stiffness
 from pysprings.full_model.compute import compute, run
 from pysprings.model.forecast.domain_effect import MOST_SHOWN, DomainEffect, domain_effect
 from pysprings.model.forecast.estimate import describe
-from pysprings.studies.stability.cases import CASES
-from pysprings.studies.stability.catalogue import run_case
+from pysprings.studies.stability import CASES, run_case
 from tests.support import tiny
 
 DOMAINS = [

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import pysprings
 from pysprings import plots
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.storage import write_tree
+from pysprings.core.storage import write_tree
 from pysprings.results.accessor import Accessor
 from pysprings.results.layout import open_result
 from pysprings.results.plots.draw import drawable

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 import xarray as xr
 
-from pysprings.results.analysis.parts import path_data
+from pysprings.results.parts import path_data
 from pysprings.results.plots.caisson import PICTURE
 from pysprings.results.plots.picture import View
 from tests.support import synthetic, tiny

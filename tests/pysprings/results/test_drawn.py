@@ -10,8 +10,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pysprings.results import plots
-from pysprings.results.analysis import parts
+from pysprings.results import parts, plots
 from pysprings.results.plots import files
 from pysprings.results.plots.picture import View
 from tests.support import stored, synthetic, vertical

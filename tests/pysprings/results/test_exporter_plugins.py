@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from pysprings.cli.app import application
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.written import listed
+from pysprings.core.written import listed
 from pysprings.results import exporters
 from pysprings.results.exporters import EXPORTERS, Exported, Exporter, Option, Source, Target
 from pysprings.results.layout import own_folders, remove_results, run_files

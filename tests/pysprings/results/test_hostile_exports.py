@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.storage import write_tree
+from pysprings.core.storage import write_tree
 from pysprings.core.text import commented, is_formula, one_line
 from pysprings.results.exporters import EXPORTERS, export
 from pysprings.springs.checks import open_springs, save_springs

@@ -18,8 +18,7 @@ from matplotlib.patches import Wedge
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.registry import Registry
-from pysprings.results import layout, plots
-from pysprings.results.analysis import parts
+from pysprings.results import layout, parts, plots
 from pysprings.results.plots import files, gap, picture, rose, section
 from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import View

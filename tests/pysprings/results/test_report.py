@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core.columns import Table
-from pysprings.core.files.storage import write_tree
+from pysprings.core.storage import write_tree
 from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.macro.comparison import compare
@@ -305,7 +305,7 @@ def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
 
 
 def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr.DataTree, tmp_path: Path) -> None:
-    from pysprings.core.files.storage import write_tree
+    from pysprings.core.storage import write_tree
     from pysprings.springs.checks import save_springs
 
     own = result.copy()

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import pysprings
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.written import CHECKPOINT, is_unfinished
+from pysprings.core.written import CHECKPOINT, is_unfinished
 from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
@@ -142,7 +142,7 @@ def no_run(*_: Any) -> None:
 
 @needs_links
 def test_a_link_of_the_name_of_the_lock_is_not_written_through(tmp_path: Path, elsewhere: Path) -> None:
-    from pysprings.core.files.lock import exclusive
+    from pysprings.core.written import exclusive
 
     (tmp_path / ".pysprings.lock.json").symlink_to(elsewhere / "a.npz")
     with exclusive(tmp_path):

@@ -33,7 +33,7 @@ from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.springs import Springs
 from pysprings.studies.atlas.model import open_atlas, shipped
 from pysprings.studies.design import answer_cases
-from pysprings.studies.sizing.search import Search, Wanted
+from pysprings.studies.sizing import Search, Wanted
 from tests.support import synthetic, tiny, winkler
 from tests.support.commands import command
 from tests.support.files import Outline

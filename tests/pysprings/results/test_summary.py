@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 import pysprings
-from pysprings.core.files.storage import read_tree
+from pysprings.core.storage import read_tree
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.folder import run_to_folder
 from pysprings.results.summary import _vertical, summary

@@ -61,10 +61,10 @@ def test_a_run_beside_itself_and_what_is_no_run(folders: tuple[Path, Path], tmp_
 
 
 def test_the_picture_has_the_curves_of_both(folders: tuple[Path, Path], tmp_path: Path) -> None:
-    from pysprings.core.files.storage import read_tree
+    from pysprings.core.storage import read_tree
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.analysis.two_runs import Run
     from pysprings.results.plots.two_runs import overlay
+    from pysprings.results.two_runs import Run
     from pysprings.springs.path import paths_of
 
     done = command("diff", *folders, "--out", tmp_path / "both")

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.files.storage import read_tree, write_tree
+from pysprings.core.storage import read_tree, write_tree
 from pysprings.model.contact import SURFACE
 from tests.support import raw_caisson as rc
 from tests.support.raw_caisson import STEPS, Raw, raw

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.storage import read_tree
+from pysprings.core.storage import read_tree
 from pysprings.macro.predict import predict
 from pysprings.model.forecast.estimate import describe
 from pysprings.scene.load import load_scene, parse_scene

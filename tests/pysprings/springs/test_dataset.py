@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.files.storage import write_tree
+from pysprings.core.storage import write_tree
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.springs import Springs

@@ -13,7 +13,7 @@ import pytest
 import pysprings
 from pysprings import Scene
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
-from pysprings.core.files.storage import read_tree, write_text, write_tree
+from pysprings.core.storage import read_tree, write_text, write_tree
 from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.compute import run

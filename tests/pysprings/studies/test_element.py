@@ -9,9 +9,7 @@ import pandas as pd
 import pytest
 
 from pysprings.scene.load import load_scene
-from pysprings.studies.element.data import LabTest, residuals
-from pysprings.studies.element.fit import bounds_of, known_keys
-from pysprings.studies.element.study import Request, run
+from pysprings.studies.element import LabTest, Request, bounds_of, known_keys, residuals, run
 from tests.support.commands import command
 
 SCENE = """

@@ -15,8 +15,7 @@ import pytest
 
 from pysprings.model.element import KINDS, Curve, element_test, specimen
 from pysprings.scene.ground import Stratum
-from pysprings.studies.element.data import LabTest, read_tests
-from pysprings.studies.element.study import Request, run
+from pysprings.studies.element import LabTest, Request, read_tests, run
 from tests.support import tiny
 
 FILE = Path(__file__).parents[3] / "data" / "laboratory" / "karlsruhe-fine-sand.csv"

@@ -14,9 +14,9 @@ from pysprings.core.errors import RunIncomplete, UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.changes import read_changes
+from pysprings.studies import sizing
 from pysprings.studies.atlas.model import Atlas
-from pysprings.studies.sizing import search as sizing
-from pysprings.studies.sizing.search import (
+from pysprings.studies.sizing import (
     EDGE,
     Candidate,
     Search,

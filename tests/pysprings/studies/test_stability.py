@@ -12,8 +12,8 @@ import pytest
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.words import StopReason
 from pysprings.full_model.run_record import PathFigures, RunRecord, Status
-from pysprings.studies.stability import catalogue as stability
-from pysprings.studies.stability.cases import CASES, Case
+from pysprings.studies import stability as stability
+from pysprings.studies.stability import CASES, Case
 from tests.support.commands import command
 
 NAMES = [case.name for case in CASES]

@@ -18,13 +18,12 @@ from pysprings.full_model.accuracy.measures import MEASURES, Reference
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.sections import PAPER_PATH
+from pysprings.studies import stability
 from pysprings.studies.accuracy import study
 from pysprings.studies.accuracy.picture import error_against_time
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
 from pysprings.studies.accuracy.study import to_markdown
-from pysprings.studies.stability import cases as stability
-from pysprings.studies.stability import catalogue as stability_catalogue
-from pysprings.studies.stability.catalogue import OUTCOMES, Outcome, catalogue, summary
+from pysprings.studies.stability import OUTCOMES, Outcome, catalogue, summary
 from tests.support import stored, synthetic, tiny
 from tests.support.drawn import describe, number
 from tests.support.files import Outline
@@ -63,7 +62,7 @@ def unusual(make: Any) -> str:
     try:
         found = dict(leaves(make().model_dump()))
     except ValueError as error:
-        return f"refused: {stability_catalogue._refusal(error)}"
+        return f"refused: {stability._refusal(error)}"
     return ", ".join(f"{key} = {value}" for key, value in found.items() if USUAL.get(key, "") != value)
 
 
@@ -173,10 +172,10 @@ def test_table_and_picture_of_the_stiff_cases(capsys: pytest.CaptureFixture[str]
         for k, outcome in enumerate(OUTCOMES)
     ]  # fmt: skip
     table = pd.DataFrame([asdict(each) for each in outcomes])
-    lines = [stability_catalogue.heading(), *(stability_catalogue.line(asdict(each)) for each in outcomes)]
+    lines = [stability.heading(), *(stability.line(asdict(each)) for each in outcomes)]
     lines += [f"{key}: {value}" for key, value in summary(table).items()]
-    lines += [stability_catalogue.closing(summary(table)), stability_catalogue.closing(summary(table.iloc[3:]))]
-    lines += [stability_catalogue.to_markdown(table), *describe(catalogue(table))]
+    lines += [stability.closing(summary(table)), stability.closing(summary(table.iloc[3:]))]
+    lines += [stability.to_markdown(table), *describe(catalogue(table))]
     stored.compare(lines, TEXTS / "stability.txt", "table and picture of stiff cases that were made up")
 
 

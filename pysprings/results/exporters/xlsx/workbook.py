@@ -16,7 +16,7 @@ import xarray as xr
 import xlsxwriter
 from numpy.typing import NDArray
 
-from pysprings.core.files.storage import replacing
+from pysprings.core.storage import replacing
 from pysprings.core.variables import known_torsion
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""Atomic files, checksums, folder lock, names of result files."""

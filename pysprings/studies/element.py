@@ -1,0 +1,399 @@
+# SPDX-License-Identifier: MIT
+"""Laboratory tests on a layer of a scene: tables of data, keys fitted to them, curves, their files and picture.
+
+A fit is least squares with the bounds of each key (scipy, trust region).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from pysprings.core.storage import write_text
+from pysprings.core.tables import Column, one_table
+from pysprings.core.tables.headings import ANY, TEXT
+from pysprings.core.units import read, si_of
+from pysprings.core.words import ElementTest
+from pysprings.model.element import KINDS, Curve, element_test, specimen
+from pysprings.results.plots.files import redraw
+from pysprings.results.plots.style import BLUE, GREEN, KPA, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
+from pysprings.scene.by_depth import ByDepth
+from pysprings.scene.fields import Interval
+from pysprings.scene.ground import Stratum
+from pysprings.scene.sections import plain_field
+from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
+
+Array = NDArray[np.float64]
+
+# kind of test -> its strain, and what is measured over it: the first is needed, a fit uses those that are there
+MEASURED: dict[ElementTest, tuple[str, tuple[str, ...]]] = {
+    "triaxial": ("axial_strain", ("q_Pa", "volumetric_strain", "pore_pressure_Pa")),
+    "triaxial-extension": ("axial_strain", ("q_Pa", "volumetric_strain", "pore_pressure_Pa")),
+    "dss": ("shear_strain", ("shear_stress_Pa", "volumetric_strain", "pore_pressure_Pa", "axial_stress_Pa")),
+    "oedometer": ("axial_strain", ("axial_stress_Pa",)),
+}
+_PASCALS = {
+    "q_Pa": ("q", "deviator stress", "deviatoric stress"), "p_Pa": ("p", "p'", "mean effective stress"),
+    "shear_stress_Pa": ("tau", "shear stress"), "pore_pressure_Pa": ("u", "pore pressure", "excess pore pressure"),
+    "axial_stress_Pa": ("vertical stress", "axial stress", "vertical effective stress"),
+    "radial_stress_Pa": ("radial stress",),
+    "stress_Pa": ("stress", "consolidation stress", "cell pressure", "confining pressure"),
+}  # fmt: skip
+_STRAINS = {
+    "axial_strain": ("axial strain", "eps1", "epsa", "vertical strain"), "shear_strain": ("shear strain", "gamma"),
+    "volumetric_strain": ("volumetric strain", "epsv", "volume strain"),
+}  # fmt: skip
+COLUMNS = (
+    Column("test", TEXT, ("name",)),
+    *(Column(name, "Pa", names, "kPa") for name, names in _PASCALS.items()),
+    *(Column(name, "1", names, percent=0.01) for name, names in _STRAINS.items()),
+    *(Column(name, ANY, skipped="follows from others") for name in ("e", "void ratio", "step", "drainage")),
+    Column("mobilised_angle_rad", "rad", ("mobilised angle",), skipped="follows from others"),
+)
+
+
+@dataclass(frozen=True)
+class LabTest:
+    """A measured test: its name, its consolidation stress (Pa), and columns in SI by their names in `MEASURED`."""
+
+    name: str
+    stress: float
+    columns: Mapping[str, Array]
+
+
+def read_tests(file: Path, kind: ElementTest, stress: float | None) -> list[LabTest]:
+    """Return the tests of a table: rows of one name, or of one consolidation stress, are one test.
+
+    ``stress`` (Pa) is that of a table without a column of it. Compression is positive.
+
+    Raises UserInputError: one problem per thing that is wrong with the table.
+    """
+    strain, measured = MEASURED[kind]
+    table = one_table(file, COLUMNS, "a laboratory test")
+    for name in (strain, measured[0]):
+        if name not in table:
+            shown = next(each.shown for each in COLUMNS if each.name == name)
+            table.fault(None, None, f"no column '{shown}': a {kind} test needs it")
+    if "stress_Pa" not in table and stress is None:
+        table.fault(None, None, "no column 'stress [kPa]' of the consolidation stress: add it, or give one --stress")
+    table.faults.stop()
+    values = {name: table.numbers(name, most=False) for name in (strain, *measured) if name in table}
+    stresses = table.numbers("stress_Pa") if "stress_Pa" in table else np.full(len(table), stress)
+    names = table.texts("test") if "test" in table else [f"{each / 1e3:.6g} kPa" for each in stresses]
+    for k in np.flatnonzero(~(stresses > 0.0)).tolist():
+        table.fault(k, "stress_Pa", "a consolidation stress must be positive")
+    for k in np.flatnonzero(np.isnan(values[strain]) | np.isnan(values[measured[0]])).tolist():
+        table.fault(k, strain, "needs a number here and for the stress")
+    tests = []
+    for name in dict.fromkeys(names):
+        rows = np.array([each == name for each in names])
+        if rows.sum() < 3 or np.ptp(values[strain][rows]) == 0.0:
+            table.fault(int(np.argmax(rows)), None, f"test '{name}' has fewer than 3 rows of different strain")
+        if np.ptp(stresses[rows]) > 0.0:
+            table.fault(int(np.argmax(rows)), "stress_Pa", f"test '{name}' has several consolidation stresses")
+        tests.append(LabTest(name, float(stresses[rows][0]), {key: each[rows] for key, each in values.items()}))
+    table.faults.stop()
+    return tests
+
+
+def residuals(test: LabTest, curve: Curve | None, kind: ElementTest, undrained: bool) -> list[Array]:
+    """Return computed less measured values, an array (n,) a column, each over the column's largest and sqrt(n).
+
+    Of volumetric strain at least 1 % counts as the largest, of an undrained test the pore pressure in its place. A
+    curve that ends early, or is None, is 100 % away from the values beyond.
+    """
+    strain, measured = MEASURED[kind]
+    columns = {} if curve is None else curve.columns()
+    at, left_out = np.abs(test.columns[strain]), "volumetric_strain" if undrained else "pore_pressure_Pa"
+    out = []
+    for name in (each for each in measured if each in test.columns and each != left_out):
+        good = np.isfinite(test.columns[name])
+        value, least = test.columns[name][good], 0.01 if name == "volumetric_strain" else 1.0
+        scale = max(float(np.abs(value).max(initial=0.0)), least)
+        away = np.full(len(value), scale)
+        if curve is not None:
+            reached = at[good] <= np.abs(columns[strain][-1]) * (1.0 + 1e-6)
+            found = np.interp(at[good], np.abs(columns[strain]), columns[name])
+            away = np.where(reached, found - value, away)
+        out.append(away / scale / np.sqrt(max(len(value), 1)))
+    return out
+
+
+_SPAN = 1.0e3  # a key moves by this factor at most
+_STEP = 1.0e-3  # of finite differences: increments of a test follow the strains of its schedule
+_AT_BOUND = 1.0e-3
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A key with its value before and after in ``unit``, standard error, and whether it ended at a bound."""
+
+    key: str
+    unit: str
+    before: float
+    value: float
+    error: float
+    at_bound: bool
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted keys; root mean square residuals before and after, of the largest measured value; correlations (n, n)."""
+
+    keys: tuple[Fitted, ...]
+    before: float
+    after: float
+    correlation: Array
+    values: dict[str, Any]
+    converged: bool
+
+
+def known_keys(stratum: Stratum) -> list[str]:
+    """Return the keys of a layer that can be fitted: its numbers that its law uses."""
+    law = SOIL_LAWS[stratum.law]
+    values = law.derived(stratum) | stratum.values
+    own = [name for name in (*law.stiffnesses, "poisson_ratio", *law.keys) if name in values]
+    return [name for name in dict.fromkeys(own) if _number(values[name]) is not None]
+
+
+def _number(value: Any) -> float | None:
+    """Return the number that scales a value: itself, or the reference of one by depth or stress."""
+    if isinstance(value, ByDepth):
+        return value.reference
+    return value if isinstance(value, float) else None
+
+
+def _with(value: Any, number: float) -> Any:
+    return replace(value, reference=number) if isinstance(value, ByDepth) else number
+
+
+def bounds_of(key: str, start: float) -> tuple[float, float]:
+    """Return the bounds of a key in SI: its interval, and a factor of 1000 about a positive start."""
+    field = plain_field(key)
+    unit = field.unit
+    low, high = (
+        float(each) if unit == "1" else read(f"{each} {unit}", si_of(unit)) for each in Interval(field.interval).bounds
+    )
+    if low >= 0.0 and start > 0.0:
+        low, high = max(low, start / _SPAN), min(high, start * _SPAN)
+    return low, high
+
+
+def fit(
+    stratum: Stratum, kind: ElementTest, depth: float, undrained: bool, tests: Sequence[LabTest], keys: Sequence[str]
+) -> Fit:
+    """Fit keys of a layer to tests of one kind; ``keys`` are some of `known_keys`, with numbers within their bounds.
+
+    Positive keys move by their logarithm. Values that the checks of the law refuse, or that stop a test, count as
+    100 % away from each measured value.
+    """
+    from scipy.optimize import least_squares
+
+    values = SOIL_LAWS[stratum.law].derived(stratum) | stratum.values
+    start = np.array([_number(values[key]) for key in keys], dtype=float)
+    low, high = np.array([bounds_of(key, value) for key, value in zip(keys, start, strict=True)]).T
+    logs = (low > 0.0) & (start > 0.0)
+
+    def coordinates(x: Array) -> Array:
+        return np.where(logs, np.log(np.where(logs, x, 1.0)), x)
+
+    def numbers(c: Array) -> Array:
+        return np.where(logs, np.exp(np.where(logs, c, 0.0)), c)
+
+    def misfit(c: Array) -> Array:
+        changed = {key: _with(values[key], float(x)) for key, x in zip(keys, numbers(c), strict=True)}
+        return _misfit(stratum, kind, depth, undrained, tests, changed)
+
+    first, bounds = misfit(coordinates(start)), (coordinates(low), coordinates(high))
+    found = least_squares(misfit, coordinates(start), bounds=bounds, diff_step=_STEP, x_scale="jac")
+    after = numbers(found.x)
+    covariance = np.linalg.pinv(found.jac.T @ found.jac) * (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1)
+    spread = np.sqrt(np.diag(covariance))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        correlation = covariance / np.outer(spread, spread)
+    error = spread * np.where(logs, after, 1.0)
+    near = np.minimum(found.x - bounds[0], bounds[1] - found.x) <= _AT_BOUND * (bounds[1] - bounds[0])
+    fitted = tuple(_fitted(*each) for each in zip(keys, start, after, error, near, strict=True))
+    changed = {key: _with(values[key], float(x)) for key, x in zip(keys, after, strict=True)}
+    return Fit(fitted, float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation, changed,
+               found.status > 0)  # fmt: skip
+
+
+def _fitted(key: str, start: float, after: float, error: float, near: bool) -> Fitted:
+    unit = plain_field(key).unit
+    scale = 1.0 if unit == "1" else read(f"1 {unit}", si_of(unit))
+    return Fitted(key, unit, start / scale, after / scale, error / scale, bool(near))
+
+
+def _misfit(
+    stratum: Stratum,
+    kind: ElementTest,
+    depth: float,
+    undrained: bool,
+    tests: Sequence[LabTest],
+    changed: dict[str, Any],
+) -> Array:
+    """Return the differences of all tests; their length is the root mean square over columns and tests."""
+    parts = []
+    for test in tests:
+        point = specimen(stratum, KINDS[kind], test.stress, depth, changed)
+        last = float(np.abs(test.columns[MEASURED[kind][0]]).max())
+        curve = None if refused(point, depth) else element_test(point, KINDS[kind], depth, undrained, last)
+        parts += residuals(test, curve, kind, undrained)
+    return np.concatenate(parts) / np.sqrt(len(parts))
+
+
+def refused(stratum: Stratum, depth: float) -> list[str]:
+    """Return what the checks of the law find wrong with the values of a layer at a depth (m)."""
+    z = np.array(depth)
+    values = {name: float(stratum.value(name, z)) for name in (*stratum.values, "young_modulus")}
+    soil = dict.fromkeys(LAW_KEYS) | values | stratum.tables | {"surcharge": stratum.above}
+    found = SOIL_LAWS[stratum.law].faults(SimpleNamespace(**soil), (stratum.above, stratum.above))
+    return [f"{'.'.join(map(str, clash.keys[0]))}: {clash.message}" for clash in found]
+
+
+# column -> its axis, and the factor to the unit there
+_AXES = {
+    "axial_strain": ("axial strain [%]", 100.0), "shear_strain": ("shear strain [%]", 100.0),
+    "volumetric_strain": ("volumetric strain [%], compression positive", 100.0),
+    "q_Pa": ("deviator stress q [kPa]", KPA), "p_Pa": ("mean effective stress p' [kPa]", KPA),
+    "shear_stress_Pa": ("shear stress [kPa]", KPA), "axial_stress_Pa": ("axial effective stress [kPa]", KPA),
+    "pore_pressure_Pa": ("excess pore pressure [kPa]", KPA),
+}  # fmt: skip
+_COLOURS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE)
+
+
+@styled
+def element_picture(
+    curves: Sequence[Curve], names: Sequence[str], tests: Sequence[LabTest], kind: ElementTest, title: str
+) -> Figure:
+    """Draw curves (lines) beside the tests of the same place in the list (dots)."""
+    strain, measured = MEASURED[kind]
+    wet = any(curve.drainage == "undrained" for curve in curves)
+    path = ("axial_stress_Pa", measured[0]) if kind == "dss" else ("p_Pa", "q_Pa")
+    panels = ((strain, measured[0]), (strain, "pore_pressure_Pa" if wet else "volumetric_strain"), path)
+    figure = new_figure(13.0, 4.6)
+    for axes, (x, y) in zip(figure.subplots(1, 3), panels, strict=True):
+        for k, (curve, name) in enumerate(zip(curves, names, strict=True)):
+            columns, colour = curve.columns(), _COLOURS[k % len(_COLOURS)]
+            axes.plot(_AXES[x][1] * columns[x], _AXES[y][1] * columns[y], color=colour, label=plain(name))
+            if tests and {x, y} <= set(tests[k].columns):
+                data = tests[k].columns
+                every = slice(None, None, max(len(data[x]) // 60, 1))
+                points = _AXES[x][1] * data[x][every], _AXES[y][1] * data[y][every]
+                axes.plot(*points, linestyle="", marker="o", markersize=3.0, color=colour, alpha=0.6)
+        axes.set(xlabel=_AXES[x][0], ylabel=_AXES[y][0])
+        axes.margins(x=0.02)
+        if np.ptp(axes.get_ylim()) == 0.0:
+            axes.set_ylim(-1.0, 1.0)
+    figure.axes[0].legend(fontsize=8)
+    figure.suptitle(plain(title + ("; dots: data" if tests else "")))
+    return figure
+
+
+@dataclass(frozen=True)
+class Request:
+    """Tests that are asked for: of a layer with values at a depth (m), from consolidation stresses (Pa), or of data.
+
+    ``stresses`` without any: the stress of the layer there. ``strain``: the last one; None is that of the kind, or of
+    the data. ``keys`` are fitted to the data.
+    """
+
+    stratum: Stratum
+    kind: ElementTest
+    depth: float
+    undrained: bool = False
+    stresses: tuple[float, ...] = ()
+    strain: float | None = None
+    tests: tuple[LabTest, ...] = ()
+    keys: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Curves by test, with their names and the fit of keys."""
+
+    request: Request
+    names: list[str]
+    curves: list[Curve]
+    fit: Fit | None
+
+    @property
+    def stopped(self) -> list[str]:
+        """Sentences on tests that did not reach their last strain."""
+        return [f"{name}: {each.stopped}" for name, each in zip(self.names, self.curves, strict=True) if each.stopped]
+
+    @cached_property
+    def rows(self) -> list[dict[str, Any]]:
+        """Rows of the summary, in SI: largest stress and where, the state at the end, distance from data."""
+        request, out = self.request, []
+        strain, measured = MEASURED[request.kind]
+        for k, (name, curve) in enumerate(zip(self.names, self.curves, strict=True)):
+            columns = curve.columns()
+            at = int(np.argmax(np.abs(columns[measured[0]])))
+            row = {"test": name, "drainage": curve.drainage, "stress": curve.consolidation, "stopped": curve.stopped}
+            row |= {"peak": columns[measured[0]][at], "at": columns[strain][at], "end": columns[measured[0]][-1]}
+            if not request.stratum.total_stress:
+                row |= {"angle": np.degrees(columns["mobilised_angle_rad"].max())}
+            row |= {"volume": columns["volumetric_strain"][-1], "pressure": columns["pore_pressure_Pa"][-1]}
+            if request.tests:
+                parts = residuals(request.tests[k], curve, request.kind, request.undrained)
+                row["away"] = float(np.sqrt(np.mean([each @ each for each in parts])))
+            out.append({key: float(value) if isinstance(value, np.floating) else value for key, value in row.items()})
+        return out
+
+    def table(self) -> pd.DataFrame:
+        """Return all states in SI, one a row."""
+        frames = []
+        for name, curve in zip(self.names, self.curves, strict=True):
+            frame = pd.DataFrame(curve.columns())
+            frames.append(frame.assign(test=name, drainage=curve.drainage, stress_Pa=curve.consolidation))
+        frame = pd.concat(frames, ignore_index=True)
+        return frame[["test", "drainage", "stress_Pa", *self.curves[0].columns()]]
+
+
+def run(request: Request) -> Outcome:
+    """Fit keys where any are asked for, and run the tests with what was fitted."""
+    kind, fitted = KINDS[request.kind], None
+    if request.keys:
+        fitted = fit(request.stratum, request.kind, request.depth, request.undrained, request.tests, request.keys)
+        request = replace(request, stratum=replace(request.stratum, values=request.stratum.values | fitted.values))
+    curves, names = [], []
+    for stress, name, last in _asked(request):
+        point = specimen(request.stratum, kind, stress, request.depth)
+        curves.append(element_test(point, kind, request.depth, request.undrained, last))
+        names.append(name or f"{curves[-1].consolidation / 1e3:.6g} kPa")
+    return Outcome(request, names, curves, fitted)
+
+
+def _asked(request: Request) -> list[tuple[float | None, str, float | None]]:
+    """Return consolidation stress, name and last strain of each test."""
+    if request.tests:
+        key = MEASURED[request.kind][0]
+        lasts = [float(np.abs(test.columns[key]).max()) for test in request.tests]
+        return [
+            (test.stress, test.name, request.strain or last) for test, last in zip(request.tests, lasts, strict=True)
+        ]
+    return [(stress, "", request.strain) for stress in request.stresses or (None,)]
+
+
+def write(outcome: Outcome, folder: Path, formats: Sequence[str]) -> list[Path]:
+    """Write element.csv and the picture; return the files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file, request = folder / "element.csv", outcome.request
+    write_text(outcome.table().to_csv(index=False, float_format="%.9g", lineterminator="\n"), file)
+    title = f"{KINDS[request.kind].name}, layer {request.stratum.name}, law {request.stratum.law}"
+
+    def draw() -> Any:
+        return element_picture(outcome.curves, outcome.names, request.tests, request.kind, title)
+
+    return [file, *redraw(draw, folder / "element", formats)]

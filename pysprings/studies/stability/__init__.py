@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""Catalogue of stiff and extreme cases."""
