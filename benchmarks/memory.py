@@ -26,10 +26,10 @@ from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.model import MacroModel
 from pysprings.memory.build import build_memory, with_memory
 from pysprings.memory.calibration import calibrate
-from pysprings.memory.candidates import candidates
 from pysprings.memory.elements import REVERSIBLE, STATES
 from pysprings.memory.model import MemorySprings
-from pysprings.memory.samples import samples
+from pysprings.memory.offered import candidates
+from pysprings.memory.shares import samples
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.extract import extract_springs
 from pysprings.springs.path import SpringPath

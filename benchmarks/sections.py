@@ -17,7 +17,7 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from pysprings.full_model.accuracy import extrapolation, measures, two_mesh
+from pysprings.full_model.accuracy import measures, own_estimate, two_mesh
 from pysprings.full_model.accuracy.curves import curves_of, samples
 from pysprings.full_model.compute import compute
 from pysprings.model import fourier_mesh
@@ -66,8 +66,8 @@ def rows(name: str, scene: Scene) -> Iterator[dict[str, Any]]:
             (a, first), (b, second) = run(fine), run(two_mesh.coarser(fine))
         finally:
             fourier_mesh.PRESETS[ground]["coarse"] = own
-        share = extrapolation.share_of(1.0 / two_mesh.FACTOR["fourier"], extrapolation.ORDERS[ground])
-        known[label] = (a, extrapolation.extrapolated(a, b, share)[0], first, second)
+        share = own_estimate.share_of(1.0 / two_mesh.FACTOR["fourier"], own_estimate.ORDERS[ground])
+        known[label] = (a, own_estimate.extrapolated(a, b, share)[0], first, second)
         print(f"{name}, {label}: {a.attrs['n_unknowns']} unknowns, {first:.1f} + {second:.1f} s", flush=True)
     truth = curves_of(known["fine"][1])
     for label, (a, better, first, second) in known.items():

@@ -12,7 +12,7 @@ from benchmarks.peers.timed import timed
 from pysprings import predict
 from pysprings.core.version import __version__
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.uniaxial.sets import uniaxial
+from pysprings.results.exporters.uniaxial_sets import uniaxial
 from pysprings.springs.springs import Springs
 
 HEADS = ["program", "version", "u [mm]", "rotation [mrad]", "wall [s]", "peak [MB]", "what it lacks here"]

@@ -43,13 +43,13 @@ def compare(
             print(by_cycle.to_text(found), end="")
         return
     if slices:
-        from pysprings.macro import slices as by_slices
+        from pysprings.macro.comparison import convergence_text, slice_convergence
 
-        table = by_slices.slice_convergence(tree, springs_kind=spring_set)
+        table = slice_convergence(tree, springs_kind=spring_set)
         if as_json:
             print_json({"rows": table.to_dict(orient="records")})
         else:
-            print(by_slices.to_text(table), end="")
+            print(convergence_text(table), end="")
         return
     from pysprings.macro.comparison import compare as compare_models
     from pysprings.macro.comparison_text import to_dict, to_text

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.cli import predictions
-    from pysprings.core.planes import InPlane
+    from pysprings.core.loads import InPlane
     from pysprings.macro.model import AnySprings, MacroModel
     from pysprings.macro.predict import Asking
     from pysprings.macro.space import SpaceControl
@@ -258,7 +258,7 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
     """Return the state under loads by components: in their plane, or out of one by springs in space."""
     import numpy as np
 
-    from pysprings.core.planes import in_plane
+    from pysprings.core.loads import in_plane
     from pysprings.macro import predict
     from pysprings.macro.directions import off_plane, with_components
     from pysprings.macro.stiffness import torsion_of

@@ -20,9 +20,8 @@ from pysprings.core.path_kinds import MOTIONS, PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import checkpoint
-from pysprings.full_model.checkpoint import Saved
+from pysprings.full_model.checkpoint import Gathered, Saved, Standing
 from pysprings.full_model.diagnosis import DisplacementLimit, diagnose, during_dead_load, too_far
-from pysprings.full_model.path_checkpoint import Gathered, Standing
 from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.run_record import COMPLETE, Ending, Status
 from pysprings.full_model.work import Work, make_collector

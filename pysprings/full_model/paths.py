@@ -21,8 +21,7 @@ from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, WorkerDied, Workers
 from pysprings.full_model.cavitation import warning as cavitation_warning
-from pysprings.full_model.checkpoint import Checkpoints, Loaded, Saved
-from pysprings.full_model.path_checkpoint import Gathered
+from pysprings.full_model.checkpoint import Checkpoints, Gathered, Loaded, Saved
 from pysprings.full_model.path_run import PathRun
 from pysprings.full_model.record import convergence_dataset, cut_back, energy_summary, summarise
 from pysprings.full_model.run_record import LimitLoad, Status

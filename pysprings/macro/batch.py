@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import refused
-from pysprings.core.planes import InPlane, in_plane
+from pysprings.core.loads import InPlane, in_plane
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components

@@ -7,8 +7,8 @@ from typing import Any
 import pandas as pd
 
 from pysprings.core.columns import Column, Table, filled, records
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import ROLES, VERTICAL
-from pysprings.core.vertical_loads import same_load
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED
 

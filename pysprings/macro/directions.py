@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pysprings.core.planes import InPlane
+from pysprings.core.loads import InPlane
 from pysprings.core.text import number
 
 Array = NDArray[np.float64]

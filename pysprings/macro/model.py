@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
+from pysprings.core.loads import close_loads
 from pysprings.core.text import number
-from pysprings.core.vertical_loads import close_loads
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.fan import FanTable, has_fan
 from pysprings.macro.response import Response

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.vertical_loads import same_load
+from pysprings.core.loads import same_load
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
-from pysprings.core.vertical_loads import close_loads, same_load, same_loads
+from pysprings.core.loads import close_loads, same_load, same_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.response import list_of, other_load
 from pysprings.macro.vertical import FLAT, Branch, VerticalTable

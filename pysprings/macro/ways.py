@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.vertical_loads import same_load
+from pysprings.core.loads import same_load
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
 

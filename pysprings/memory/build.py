@@ -12,14 +12,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MEMORY
-from pysprings.core.vertical_loads import same_load
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.memory.calibration import ElementSet, SpaceElements, calibrate
 from pysprings.memory.mixture import ChangingLoad, fitted, mixed, shares_at
 from pysprings.memory.model import MemorySprings
-from pysprings.memory.samples import Sample, samples
-from pysprings.memory.shares import Shares
+from pysprings.memory.shares import Sample, Shares, samples
 from pysprings.memory.space import calibrate_in_space
 from pysprings.memory.water import Water
 from pysprings.springs.path import SpringPath

@@ -14,11 +14,9 @@ from numpy.typing import NDArray
 
 from pysprings.macro.fan import FanTable
 from pysprings.macro.ways import RANGE_SLACK
-from pysprings.memory.candidates import Candidates, around, candidates, force_directions
 from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE
-from pysprings.memory.offered import Known, Offered, elastic_motions
-from pysprings.memory.samples import Sample
-from pysprings.memory.shares import Shares, at_rest, shares_of, stiffnesses
+from pysprings.memory.offered import Candidates, Known, Offered, around, candidates, elastic_motions, force_directions
+from pysprings.memory.shares import Sample, Shares, at_rest, shares_of, stiffnesses
 
 Array = NDArray[np.float64]
 
@@ -100,7 +98,7 @@ def calibrate(
 ) -> ElementSet:
     """Return the elements that follow the ways; stiffness (2, 2) is the initial one for (u, rotation*L) [N/m].
 
-    choice: elements to choose from, instead of those of `pysprings.memory.candidates`. What is chosen from them
+    choice: elements to choose from, instead of those of `pysprings.memory.offered`. What is chosen from them
     is chosen a second time, with what is `around` it. most: numbers that the state of the elements may have in two
     planes; of more elements those that carry most are kept, and fitted again. Reactions are shared out as along the
     recorded ways (`Sample.recorded`). others: ways at other rates, from which the water's part of p comes, too.

@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.vertical_loads import same_load
+from pysprings.core.loads import same_load
 from pysprings.macro.solver import Drive
 from pysprings.memory.calibration import ElementSet
 from pysprings.memory.elements import PLATES, STATES, advance, follow, relax

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.core.vertical_loads import same_load
+from pysprings.core.loads import same_load
 from pysprings.macro.fan_springs import FanSprings
 from pysprings.macro.response import ElementRows
 from pysprings.macro.solver import Drive

@@ -29,11 +29,20 @@ from pysprings.memory.calibration import (
     strongest,
     way_of,
 )
-from pysprings.memory.candidates import LARGEST, SMALLEST, plastic_rows
 from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
-from pysprings.memory.offered import AZIMUTHS, Offered, elastic_motions, evened, in_space, numbers_of, offered
-from pysprings.memory.samples import Sample, places
-from pysprings.memory.shares import RIDGE, heave_of, heave_weights, loads_of
+from pysprings.memory.offered import (
+    AZIMUTHS,
+    LARGEST,
+    SMALLEST,
+    Offered,
+    elastic_motions,
+    evened,
+    in_space,
+    numbers_of,
+    offered,
+    plastic_rows,
+)
+from pysprings.memory.shares import RIDGE, Sample, heave_of, heave_weights, loads_of, places
 from pysprings.memory.water import ridge_fit
 from pysprings.springs.path import SpacePath
 from pysprings.springs.springs import Springs

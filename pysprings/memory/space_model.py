@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import BeyondSprings, Problem, refused
+from pysprings.core.loads import close_loads
 from pysprings.core.units import quoted
-from pysprings.core.vertical_loads import close_loads
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.ways import RANGE_SLACK

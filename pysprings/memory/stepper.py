@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.core.vertical_loads import close_loads
+from pysprings.core.loads import close_loads
 from pysprings.macro.fan import WIDEST, FanTable
 from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance, relax

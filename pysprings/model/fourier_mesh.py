@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
-from pysprings.model.grading import graded
-from pysprings.model.mesh import Geometry, PlaneCounts, counted, depths, outside, skirt_cells, tip_radii
+from pysprings.model.mesh import Geometry, PlaneCounts, counted, depths, graded, outside, skirt_cells, tip_radii
 from pysprings.model.steel import PATCH
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 
 from pysprings.core.errors import Problem, UserInputError, refused
+from pysprings.core.loads import fewest_loads
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.core.units import QuantityError, quoted, read, show
-from pysprings.core.vertical_loads import fewest_loads
 from pysprings.core.words import FROM_CASES
 from pysprings.scene.fields import Quantity, Text
 from pysprings.scene.positions import Clash, KeyPath

@@ -31,7 +31,7 @@ from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, Table, TableNote, one_table, split
-from pysprings.core.tables.cells import is_blank
+from pysprings.core.tables.files import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import quoted, show, si_of
 from pysprings.core.words import ESTIMATES

@@ -22,8 +22,16 @@ from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.site.correlations import CONE_FACTORS, CRITICAL, SAND, Correlation, Rows, clay, dilation
 from pysprings.site.files import Bed, Points, Site
-from pysprings.site.layering import boundaries
-from pysprings.site.sounding import SAND_TO, TRANSITION, Sounding, behaviour_index, stresses, unit_weight, zone_name
+from pysprings.site.sounding import (
+    SAND_TO,
+    TRANSITION,
+    Sounding,
+    behaviour_index,
+    boundaries,
+    stresses,
+    unit_weight,
+    zone_name,
+)
 
 Array = NDArray[np.float64]
 

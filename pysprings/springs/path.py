@@ -19,9 +19,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import LOADS, MEMORY, MOTIONS, PathKind, bends, driven, is_straight, kind_of, turns_back
 from pysprings.core.variables import EXTRAPOLATED
-from pysprings.core.vertical_loads import same_load
 from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
 

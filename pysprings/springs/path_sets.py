@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.core.vertical_loads import same_load
+from pysprings.core.loads import same_load
 from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_way
 from pysprings.springs.path_ends import KEYS, MESH_ERROR, earlier_end
 

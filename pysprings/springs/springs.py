@@ -17,9 +17,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MEMORY
 from pysprings.core.text import suggestion
-from pysprings.core.vertical_loads import same_load
 from pysprings.springs import path_sets
 from pysprings.springs.checks import check_schema, validate_springs
 from pysprings.springs.path import SpacePath, SpringPath, is_rate, paths_of, pure_of, rays_of, space_paths_of

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.columns import filled
 from pysprings.core.errors import refused
-from pysprings.core.planes import InPlane
+from pysprings.core.loads import InPlane, close_loads, nearest
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
-from pysprings.core.vertical_loads import close_loads, nearest
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
 from pysprings.macro.model import typed

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
-from pysprings.core.planes import in_plane
+from pysprings.core.loads import in_plane
 from pysprings.core.tables import Column, one_table
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.tables.load_cases import OPPOSED

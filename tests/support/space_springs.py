@@ -9,10 +9,9 @@ import pytest
 from pysprings.memory import build
 from pysprings.memory.build import with_memory
 from pysprings.memory.calibration import calibrate
-from pysprings.memory.candidates import Candidates
 from pysprings.memory.elements import PLASTIC, PLATES, SPACE_COLUMNS
-from pysprings.memory.offered import in_space
-from pysprings.memory.samples import samples
+from pysprings.memory.offered import Candidates, in_space
+from pysprings.memory.shares import samples
 from pysprings.springs.springs import Springs
 from tests.support import space_paths
 from tests.support.winkler import REACH, mixed

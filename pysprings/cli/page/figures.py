@@ -9,7 +9,7 @@ import numpy as np
 from pandas import DataFrame
 
 from pysprings.cli.page.answers import Answer, load_of, profiles
-from pysprings.core.vertical_loads import close_loads
+from pysprings.core.loads import close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.fan_springs import BAND
 from pysprings.results.look import (

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.planes import ROUNDING, in_plane
+from pysprings.core.loads import ROUNDING, in_plane
 from pysprings.core.tables import Column, Table, one_table
-from pysprings.core.tables.cells import text_of
+from pysprings.core.tables.files import text_of
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.text import MOST_LETTERS, number
 from pysprings.core.units import quoted

@@ -18,8 +18,19 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.magnitudes import LARGEST, fault
-from pysprings.core.tables.cells import Cell, NotANumber, Percent, Style, is_blank, number, style_of, text_of
-from pysprings.core.tables.files import Line, Sheet, sheets_of
+from pysprings.core.tables.files import (
+    Cell,
+    Line,
+    NotANumber,
+    Percent,
+    Sheet,
+    Style,
+    is_blank,
+    number,
+    sheets_of,
+    style_of,
+    text_of,
+)
 from pysprings.core.tables.headings import TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
 from pysprings.core.units import quoted
 

@@ -8,7 +8,7 @@ with which every preset loses sectors, too (their number is a multiple of 4), so
 
 A Fourier series has two sizes, that of the elements in the section and the number N of harmonics. The coarser section
 is run with N and with more harmonics; their difference is the share of the harmonics and is added: of paths that have
-it in their reactions (`extrapolation`), LEFT of it.
+it in their reactions (`own_estimate`), LEFT of it.
 
 `python -m benchmarks.error_estimates` sets estimates beside truths on scenes that no setting was made with.
 """
@@ -142,7 +142,7 @@ def estimate(
     """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
 
     ``richer`` is the coarser mesh with more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of
-    unknowns. ``extrapolated`` has the paths whose reactions are (`extrapolation`), and those that have the difference
+    unknowns. ``extrapolated`` has the paths whose reactions are (`own_estimate`), and those that have the difference
     of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]

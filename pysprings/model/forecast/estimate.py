@@ -10,8 +10,8 @@ import numpy as np
 
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.memory import left as memory_available
+from pysprings.core.loads import close_loads, nearest
 from pysprings.core.tables.load_cases import read_load_cases
-from pysprings.core.vertical_loads import close_loads, nearest
 from pysprings.model.build import Built
 from pysprings.model.contact import defaults_of, penalty_of
 from pysprings.model.forecast.domain_effect import DomainEffect, domain_effect

@@ -176,9 +176,8 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
     from pysprings.macro.curve_table import stack
     from pysprings.macro.model import MacroModel
     from pysprings.results.exporters.header import header, springs_at
-    from pysprings.results.exporters.uniaxial.curve import table
-    from pysprings.results.exporters.uniaxial.export import FEWEST
-    from pysprings.results.exporters.uniaxial.sets import Uniaxial, errors_by_role, lateral, with_tables
+    from pysprings.results.exporters.uniaxial_curve import table
+    from pysprings.results.exporters.uniaxial_sets import FEWEST, Uniaxial, errors_by_role, lateral, with_tables
 
     if int(options["points"]) < FEWEST:
         raise refused("--option points", f"{options['points']} is not from {FEWEST} to any number")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from pysprings.results.exporters.uniaxial.export import Prepared, Terms
+    from pysprings.results.exporters.uniaxial_sets import Prepared, Terms
 
     Array = NDArray[np.float64]
     Pair = tuple[Array, Array]
@@ -34,7 +34,7 @@ def _elements(made: Prepared, lid: Lid, first: int) -> Iterator[str]:
     """Yield nodes, elements, equations and tables of all springs."""
     import numpy as np
 
-    from pysprings.results.exporters.uniaxial.export import read_by
+    from pysprings.results.exporters.uniaxial_sets import read_by
 
     numbers = count(first)
     tag = first
@@ -119,7 +119,7 @@ _CONTROLS = """*CONTROLS, PARAMETERS=TIME INCREMENTATION
 
 
 def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.uniaxial.export import prepare
+    from pysprings.results.exporters.uniaxial_sets import prepare
 
     made = prepare(source, options, "CalculiX springs", _FRAME)
     node, rotations, first = (int(options[name]) for name in ("lid", "rotations", "first"))

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import refused
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import HELD_BACK, VERTICAL
 from pysprings.core.version import __version__
-from pysprings.core.vertical_loads import same_load
 from pysprings.results.exporters.base import Options, Source
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs

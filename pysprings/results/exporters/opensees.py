@@ -20,7 +20,7 @@ from pysprings.results.exporters.base import Exported, Exporter, Option, Options
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from pysprings.results.exporters.uniaxial.export import Prepared
+    from pysprings.results.exporters.uniaxial_sets import Prepared
 
 _FRAME = (
     "3D (ndm 3, ndf 6), z up; springs in vertical planes at depths below the lid node, which is at mudline, at the "
@@ -191,12 +191,12 @@ def _settings(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
 
 
 def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.uniaxial.export import prepare
+    from pysprings.results.exporters.uniaxial_sets import prepare
 
     made = prepare(source, options, "OpenSees springs", _FRAME)
     masing, first = options["material"] == "masing", int(options["first"])
     if masing:
-        from pysprings.results.exporters.uniaxial.export import errors_on_reversals
+        from pysprings.results.exporters.uniaxial_sets import errors_on_reversals
 
         label = [_MASING, *errors_on_reversals(made.springs, made.made, made.tables)]
         made = replace(made, head=[*made.head, *label], lost=[*made.lost, *label])

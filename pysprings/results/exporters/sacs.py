@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from pysprings.results.exporters.uniaxial.curve import Spring, Table
-    from pysprings.results.exporters.uniaxial.sets import Uniaxial
+    from pysprings.results.exporters.uniaxial_curve import Spring, Table
+    from pysprings.results.exporters.uniaxial_sets import Uniaxial
     from pysprings.springs.springs import Springs
 
     Array = NDArray[np.float64]
@@ -166,7 +166,7 @@ def _vertical(made: Uniaxial) -> tuple[list[Spring], list[Spring]]:
     import numpy as np
 
     from pysprings.macro.solver import row_values
-    from pysprings.results.exporters.uniaxial.curve import Spring
+    from pysprings.results.exporters.uniaxial_curve import Spring
 
     table = made.model.vertical
     if table is None:
@@ -221,7 +221,7 @@ def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
 def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
     """Return the lines of the cards, and the sentences on what is lost."""
     from pysprings.results.exporters.header import springs_at
-    from pysprings.results.exporters.uniaxial.sets import uniaxial
+    from pysprings.results.exporters.uniaxial_sets import uniaxial
 
     points = int(options["points"])
     if not 3 <= points <= MOST:
@@ -235,8 +235,8 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
 
 def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
     """Return P-Y cards, and sentences on what they lose, with the errors of the curves as they are written."""
-    from pysprings.results.exporters.uniaxial.curve import table
-    from pysprings.results.exporters.uniaxial.sets import change_by_tables, errors_by_role, with_tables
+    from pysprings.results.exporters.uniaxial_curve import table
+    from pysprings.results.exporters.uniaxial_sets import change_by_tables, errors_by_role, with_tables
 
     head, (slices, lost) = float(options["head"] or 0.0), _lateral(made)
     strata, written = [], []
@@ -251,7 +251,7 @@ def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[
 
 def _axial_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
     """Return T-Z and Q-Z cards, and sentences on them; no cards without vertical paths."""
-    from pysprings.results.exporters.uniaxial.curve import table
+    from pysprings.results.exporters.uniaxial_curve import table
 
     skirt, end = _vertical(made)
     if not skirt:

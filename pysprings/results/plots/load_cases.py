@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import PyspringsError
-from pysprings.core.vertical_loads import CLOSE_LOAD, close_loads
+from pysprings.core.loads import CLOSE_LOAD, close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.vertical_answer import largest_vertical

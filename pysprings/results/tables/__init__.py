@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Springs from a user's own table: a CSV file or an Excel workbook with p-y curves, and their companions if any.
 
-`file` declares columns and checks names, `recorded` builds springs from tables of a path (as
-`pysprings springs` writes them), `curves` from independent curves; `open_table` chooses.
+`curves` declares columns, checks names and builds springs from independent curves, `recorded` from tables of a path (as
+`pysprings springs` writes them); `open_table` chooses.
 """
 
 import os
@@ -35,8 +35,7 @@ def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) 
         Every fault of the table, each with file and line.
     """
     from pysprings.core.tables import Faults
-    from pysprings.results.tables.curves import build_curves
-    from pysprings.results.tables.file import read_rows
+    from pysprings.results.tables.curves import build_curves, read_rows
     from pysprings.results.tables.recorded import build_tree, is_record
 
     faults = Faults()

@@ -31,7 +31,7 @@ from pysprings.full_model.accuracy.measures import NEEDED, Reference, cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, FOURIER, MESH, Setting
 from pysprings.full_model.accuracy.target import JUDGED
 from pysprings.full_model.run_record import RunRecord, Status
-from pysprings.macro import slices
+from pysprings.macro import comparison
 from pysprings.macro.comparison import curves
 from pysprings.macro.model import spring_sets
 from pysprings.results.layout import open_result
@@ -65,11 +65,11 @@ def _answers(springs: xr.DataTree) -> Iterator[Answer]:
     names = [name for name, path in given.paths.items() if not path.is_vertical]
     if not names:
         return
-    for n in slices.slice_counts(given):
-        merged = slices.merge_slices(given, n)
+    for n in comparison.slice_counts(given):
+        merged = comparison.merge_slices(given, n)
         traced = {name: _curve(merged.paths[name], trace) for name, trace in _traces(merged, names, kind)}
         whole = {name: curve for name, curve in traced.items() if curve is not None}
-        yield Answer(kind, n, names, whole, slices.curve_seconds(merged, kind))
+        yield Answer(kind, n, names, whole, comparison.curve_seconds(merged, kind))
 
 
 def _traces(springs: Springs, names: list[str], kind: str) -> Iterator[tuple[str, xr.Dataset]]:

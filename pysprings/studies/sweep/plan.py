@@ -21,7 +21,7 @@ import numpy as np
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.storage import write_text
 from pysprings.core.tables import Table, keyed_table
-from pysprings.core.tables.cells import NotANumber, number, text_of
+from pysprings.core.tables.files import NotANumber, number, text_of
 from pysprings.core.text import is_formula
 from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES

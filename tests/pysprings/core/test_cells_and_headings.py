@@ -3,7 +3,7 @@
 
 import pytest
 
-from pysprings.core.tables.cells import NotANumber, number, style_of
+from pysprings.core.tables.files import NotANumber, number, style_of
 from pysprings.core.tables.headings import GRAVITY, Headings, WrongHeading
 from pysprings.core.tables.load_cases import COLUMNS
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from pysprings.core.vertical_loads import close_loads, fewest_loads, nearest
+from pysprings.core.loads import close_loads, fewest_loads, nearest
 
 
 @pytest.mark.parametrize(

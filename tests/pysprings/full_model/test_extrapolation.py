@@ -17,7 +17,7 @@ from pysprings import Scene, predict, predict_batch
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.storage import read_tree
 from pysprings.core.text import number
-from pysprings.full_model.accuracy import extrapolation, target, two_mesh
+from pysprings.full_model.accuracy import own_estimate, target, two_mesh
 from pysprings.full_model.compute import RunOptions, Sink, compute, run_into
 from pysprings.full_model.run_record import Computed, RunRecord
 from pysprings.results.folder import run_to_folder, run_to_target
@@ -101,8 +101,8 @@ def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one(
     coarse, fine, truth = (
         compute(scene(paths=(path,), mesh=SERIES["mesh"] | {"refinement": size})).tree for size in (0.6, 1.0, 2.2)
     )
-    share = extrapolation.share_of(1.0 / 0.6, 2.0)
-    both, without, _ = extrapolation.extrapolated(fine, coarse, share)
+    share = own_estimate.share_of(1.0 / 0.6, 2.0)
+    both, without, _ = own_estimate.extrapolated(fine, coarse, share)
     assert not without
     u, H = (paths_of(truth)["pull"][name] for name in ("u", "H"))
     errors = [
@@ -121,9 +121,9 @@ def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
         return compute(tiny.parsed(template_text("soft-clay")).replace(mesh=mesh, paths=(path,))).tree
 
     fine, coarse, richest, richer = tree(0.6, 3), tree(0.36, 3), tree(0.6, 5), tree(0.36, 5)
-    share = extrapolation.share_of(1.0 / 0.6, 1.7)
+    share = own_estimate.share_of(1.0 / 0.6, 1.7)
     truth, poorer, added = (
-        extrapolation.extrapolated(*trees)
+        own_estimate.extrapolated(*trees)
         for trees in ((richest, richer, share), (fine, coarse, share), (fine, coarse, share, richer))
     )
     assert truth[2] == poorer[2] == added[2] == {}
@@ -138,10 +138,10 @@ def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
     tree, shorter = found().tree, found().tree.copy(deep=True)
     for name in ("pull", "back"):
         shorter[f"paths/{name}"] = shorter[f"paths/{name}"].to_dataset(inherit=False).isel(step=slice(3))
-    _, without, _ = extrapolation.extrapolated(tree, shorter, 0.5)
+    _, without, _ = own_estimate.extrapolated(tree, shorter, 0.5)
     assert "it stopped on the coarser mesh at" in without["pull"] and "load" in without
     del shorter["paths"]["down"]
-    assert "did not start" in extrapolation.extrapolated(tree, shorter, 0.5)[1]["down"]
+    assert "did not start" in own_estimate.extrapolated(tree, shorter, 0.5)[1]["down"]
 
 
 def test_other_slices_keep_force_and_moment() -> None:
@@ -149,7 +149,7 @@ def test_other_slices_keep_force_and_moment() -> None:
     edges = np.linspace(0.0, float(path["depth_bounds"][-1, 1]), 12)
     bounds, depth = np.stack([edges[:-1], edges[1:]], axis=1), 0.5 * (edges[1:] + edges[:-1])
     p = path["p_component"].transpose("depth", "side", "component", "step").values
-    new = extrapolation._resliced(p, path, bounds, depth, levers=True)
+    new = own_estimate._resliced(p, path, bounds, depth, levers=True)
     heights = np.diff(path["depth_bounds"].values, axis=1)[:, 0]
     for weight, other in ((heights, np.diff(edges)), (heights * path["depth"].values, np.diff(edges) * depth)):
         was, now = (np.tensordot(w, v, axes=1) for w, v in ((weight, p), (other, new)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.core.planes import in_plane
+from pysprings.core.loads import in_plane
 from pysprings.core.variables import TORSION
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.stiffness import stiffness_six, turned

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.slices import merge_slices, slice_convergence, slice_counts, to_text
+from pysprings.macro.comparison import merge_slices, slice_convergence, slice_counts, to_text
 from pysprings.springs.checks import save_springs, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs

@@ -21,8 +21,7 @@ from pysprings.memory.build import build_memory, with_memory
 from pysprings.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
 from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE, STATES, advance
 from pysprings.memory.model import MemorySprings
-from pysprings.memory.samples import samples
-from pysprings.memory.shares import at_rest
+from pysprings.memory.shares import at_rest, samples
 from pysprings.memory.stepper import MemoryStepper
 from pysprings.results.exporters import export
 from pysprings.springs.checks import open_springs, save_springs

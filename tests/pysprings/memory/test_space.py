@@ -32,7 +32,7 @@ from pysprings.memory.elements import (
     tangents,
 )
 from pysprings.memory.offered import AZIMUTHS, Offered, in_space, numbers_in_space, numbers_of, offered
-from pysprings.memory.samples import samples
+from pysprings.memory.shares import samples
 from pysprings.memory.space import calibrate_in_space, torsion_elements, way_out
 from pysprings.memory.space_model import SpaceSprings, SpaceStepper
 from pysprings.results.tables.sequence import read_sequence

@@ -13,8 +13,9 @@ from fe_engine.elements.interface import nodal_stations
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.fourier import build
 from pysprings.model.fourier_mesh import PRESETS as SECTIONS
-from pysprings.model.grading import DIAMETER, LENGTH, down_the_skirt, graded, graded_both
 from pysprings.model.mesh import (
+    DIAMETER,
+    LENGTH,
     PRESETS,
     SURFACES,
     CaissonMesh,
@@ -22,6 +23,9 @@ from pysprings.model.mesh import (
     Geometry,
     PlaneCounts,
     counted,
+    down_the_skirt,
+    graded,
+    graded_both,
     make_mesh,
     refine,
     through,

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.results.exporters.uniaxial.export import errors_on_reversals, masing, masing_loads
-from pysprings.results.exporters.uniaxial.sets import tables, uniaxial
+from pysprings.results.exporters.uniaxial_sets import errors_on_reversals, masing, masing_loads, tables, uniaxial
 from pysprings.springs.springs import Springs
 from tests.support.in_opensees import answer_of
 from tests.support.vertical import fan_with_vertical

@@ -11,7 +11,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.sacs import number
-from pysprings.results.exporters.uniaxial.sets import uniaxial
+from pysprings.results.exporters.uniaxial_sets import uniaxial
 from pysprings.springs.springs import Springs
 from tests.support import stored, synthetic
 from tests.support.vertical import vertical_springs

@@ -16,8 +16,8 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.uniaxial.curve import table
-from pysprings.results.exporters.uniaxial.sets import (
+from pysprings.results.exporters.uniaxial_curve import table
+from pysprings.results.exporters.uniaxial_sets import (
     Uniaxial,
     change_by_tables,
     other_planes,

@@ -9,8 +9,16 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.site.correlations import CONE_FACTORS, SAND, Correlation, Rows, clay, dilation
-from pysprings.site.layering import boundaries
-from pysprings.site.sounding import SAND_TO, TRANSITION, behaviour_index, sounding, stresses, unit_weight, zone_name
+from pysprings.site.sounding import (
+    SAND_TO,
+    TRANSITION,
+    behaviour_index,
+    boundaries,
+    sounding,
+    stresses,
+    unit_weight,
+    zone_name,
+)
 
 # q_t, f_s [MPa], s_v0, s'_v0 [kPa]
 ROWS = ((10.0, 0.08, 200.0, 100.0), (1.0, 0.03, 120.0, 60.0), (25.0, 0.2, 60.0, 30.0), (5.0, 0.15, 350.0, 180.0))

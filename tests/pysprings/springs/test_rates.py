@@ -6,9 +6,8 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.comparison import compare
+from pysprings.macro.comparison import compare, merge_slices
 from pysprings.macro.model import MacroModel, spring_sets
-from pysprings.macro.slices import merge_slices
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.path_sets import blend
 from pysprings.springs.springs import Springs
