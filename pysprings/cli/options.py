@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Options that several commands share (light)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Any
 

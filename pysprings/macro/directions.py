@@ -5,8 +5,6 @@ Axes are right-handed with z up: x, y to its left seen from above; H at height h
 caisson is the same in all directions: a load whose H and M lie in one vertical plane is answered there, and turned.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

@@ -17,7 +17,7 @@ from pysprings.core.text import percent
 from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
-from pysprings.scene.model import caisson_text, ground_text
+from pysprings.scene.model import Scene, caisson_text, ground_text
 from pysprings.springs.card import stiffness_words
 from pysprings.springs.path import paths_of
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.scene.model import Scene
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Values of a scene that are right one by one but not together."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from pysprings.core.path_kinds import CALIBRATION, LOADS, MEMORY, MOTIONS, PATH_KINDS, UNITS

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
@@ -26,9 +26,6 @@ from pysprings.scene.interface import adhesion_factor
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues, plain_field
 from pysprings.scene.soils import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from pysprings.scene.scene_sections import SceneSections
 
 Row = dict[str, Any]  # of a value by default: key, value (a number in `unit`, or a word), unit ("" of a word)
 _SECTIONS = ("caisson", "domain", "interface", "drainage", "mesh", "solver", "limit")

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The ground of a scene by depth: its layers, their values, and the geostatic stress."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from contextlib import suppress

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Checks of the layers of a scene: the keys that their laws use, their order, and the values at both ends of each."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any

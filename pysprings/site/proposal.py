@@ -6,8 +6,6 @@ greatest of them. That is the range of the mean of a layer, not the scatter of s
 of a table of layers, take the place of correlations.
 """
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Sequence

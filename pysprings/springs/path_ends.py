@@ -10,8 +10,6 @@ The equations do not include cavitation. A path whose water would cavitate is kn
 (`before_cavitation`): what it carries beyond is no load of springs and no capacity.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import MappingProxyType

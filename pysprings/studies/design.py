@@ -23,7 +23,7 @@ from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
-from pysprings.macro.model import typed
+from pysprings.macro.model import AnySprings, Typed, typed
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
@@ -34,11 +34,9 @@ from pysprings.springs.path import SPACE_TURNS
 from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
     from pysprings.core.tables.load_cases import LoadCases
-    from pysprings.macro.model import AnySprings, Typed
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]

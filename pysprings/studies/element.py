@@ -4,8 +4,6 @@
 A fit is least squares with the bounds of each key (scipy, trust region).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -33,7 +33,7 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import in_plane
 from pysprings.core.tables import Column, one_table
 from pysprings.core.tables.headings import TEXT
-from pysprings.core.tables.load_cases import OPPOSED
+from pysprings.core.tables.load_cases import OPPOSED, LoadCases
 from pysprings.core.text import number
 from pysprings.core.units import quoted
 from pysprings.macro.batch import answer_loads
@@ -42,7 +42,6 @@ from pysprings.studies.design import answer_cases, verdicts
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pysprings.core.tables.load_cases import LoadCases
     from pysprings.macro.model import AnySprings
 
 Array = NDArray[np.float64]

@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.core import version
-from pysprings.core.progress import duration
+from pysprings.core.progress import Progress, duration
 from pysprings.core.written import keep, own_folder
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.springs.checks import RESULT
 
 if TYPE_CHECKING:
-    from pysprings.core.progress import Progress
     from pysprings.scene.model import Scene
 
 RUNS = "runs"  # folder of the runs' folders

@@ -4,8 +4,6 @@
 Dash (plotly) makes it: Panel would do the same with four times the weight, in elements that screen readers do not name.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import threading

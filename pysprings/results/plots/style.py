@@ -16,20 +16,25 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import ArrayLike, NDArray
 
-from pysprings.results.look import BLUE as BLUE
-from pysprings.results.look import GREEN as GREEN
-from pysprings.results.look import GREY as GREY
-from pysprings.results.look import INK as INK
-from pysprings.results.look import KN as KN
-from pysprings.results.look import KPA as KPA
-from pysprings.results.look import MM as MM
-from pysprings.results.look import MN as MN
-from pysprings.results.look import MRAD as MRAD
-from pysprings.results.look import ORANGE as ORANGE
-from pysprings.results.look import PALE as PALE
-from pysprings.results.look import PURPLE as PURPLE
-from pysprings.results.look import SKY as SKY
-from pysprings.results.look import VERMILLION as VERMILLION
+from pysprings.results.look import BLUE, GREEN, GREY, INK, KN, KPA, MM, MN, MRAD, ORANGE, PALE, PURPLE, SKY, VERMILLION
+
+# the palette and units of pictures, for those that draw with this module
+__all__ = [
+    "BLUE",
+    "GREEN",
+    "GREY",
+    "INK",
+    "KN",
+    "KPA",
+    "MM",
+    "MN",
+    "MRAD",
+    "ORANGE",
+    "PALE",
+    "PURPLE",
+    "SKY",
+    "VERMILLION",
+]
 
 NOTEBOOK_DPI = 80
 DEG = 180 / np.pi

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Soil laws as a scene names them, one class each. A new law is a file here and a line in `SOIL_LAWS`."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from pysprings.scene.fields import Field

@@ -15,8 +15,6 @@ from the smallest load to the largest, a parcel begins at the number of its own 
 ground has one utilisation, tau/su under the largest load; a load that is below all contours does not count.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from pysprings.scene.model import Scene
     from pysprings.scene.sections import Path
-    from pysprings.springs.springs import Springs
     from pysprings.studies.atlas.model import Atlas
 
 Array = NDArray[np.float64]

@@ -29,8 +29,6 @@ from pysprings.studies.sweep.measures import DEPTHS, SHARES, Measured, measure
 from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, split
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
     from matplotlib.figure import Figure
 
     from pysprings.studies.sweep.study import Study

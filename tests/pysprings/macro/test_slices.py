@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.comparison import merge_slices, slice_convergence, slice_counts, to_text
+from pysprings.macro.comparison import convergence_text, merge_slices, slice_convergence, slice_counts
 from pysprings.springs.checks import save_springs, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
@@ -63,7 +63,7 @@ def test_error_falls_with_the_square_of_the_slice_height(springs):
     assert rates.min() > 1.7
     assert (own["curve_ms"] > 0.0).all()
     assert set(frame["role"]) == {"calibration", "held-back"}
-    assert "held-back paths, largest errors by number of depth slices" in to_text(frame)
+    assert "held-back paths, largest errors by number of depth slices" in convergence_text(frame)
 
 
 @pytest.mark.slow
