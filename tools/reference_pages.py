@@ -33,6 +33,7 @@ GROUP_TITLES = {
     "springs_root": "springs.nc, root",
     "springs_path": "springs.nc, paths/NAME",
     "prediction": "answers of predict, curve, impose, sequence",
+    "space_prediction": "answers of springs in space",
 }
 
 
@@ -82,10 +83,11 @@ def scene_page() -> str:
             parts.append(f"\n## Top level\n\n{markdown_table(_HEADS, rows)}")
             continue
         heading = f"[[{name}]]" if table.get("type") == "array" else f"[{name}]"
-        parts.append(f"\n## {heading}\n\n{_section(table.get('items', table))}")
+        own = table.get("items", table)
+        parts.append(f"\n## {heading}\n\n{_section(own)}")
         for inner, each in table.get("properties", {}).items():
             if "properties" in each.get("items", {}):
-                parts.append(f"\n## [[{name}.{inner}]]\n\n{_section(each['items'])}")
+                parts.append(f"\n## [[{name}.{inner}]]\n\n{_section(each['items'], {heading: own})}")
     return "".join(parts)
 
 
@@ -96,23 +98,30 @@ def variables_page() -> str:
         "# Variables\n\nUnits are UDUNITS texts as in the files. A variable marked * is optional. "
         "[Axes and signs](../theory/axes.md) defines the axes.\n",
     ]
+    first: dict[Any, str] = {}
     for name, group in GROUPS.items():
-        rows = [
-            [f"`{each.name}`{'' if each.required else ' *'}", each.long_name, f"`{each.units}`",
-             ", ".join(each.dims), each.comment]
-            for each in group.values()
-        ]  # fmt: skip
-        title = GROUP_TITLES.get(name, name)
-        parts.append(
-            f"\n## {title}\n\n{markdown_table(['variable', 'meaning', 'unit', 'dimensions', 'sign, remark'], rows)}"
-        )
+        rows, known, title = [], {}, GROUP_TITLES.get(name, name)
+        for each in group.values():
+            said, star = (each.name, each.long_name, each.units, each.dims, each.comment), "" if each.required else " *"
+            if said in first:
+                known.setdefault(first[said], []).append(f"`{each.name}`{star}")
+            else:
+                first[said] = title
+                rows.append(
+                    [f"`{each.name}`{star}", each.long_name, f"`{each.units}`", ", ".join(each.dims), each.comment]
+                )
+        parts.append(f"\n## {title}\n\n")
+        if rows:
+            parts.append(
+                markdown_table(["variable", "meaning", "unit", "dimensions", "sign, remark"], rows) + "\n" * bool(known)
+            )
+        parts += [f"As in {where}: {', '.join(names)}.\n" for where, names in known.items()]
     return "".join(parts)
 
 
 def outputs_page() -> str:
-    """Return the page of the exporters, with their options, of pictures and of tables of the report."""
+    """Return the page of the exporters, with their options, and of tables of the report."""
     from pysprings.results.exporters import EXPORTERS
-    from pysprings.results.plots import PICTURES
     from pysprings.results.report.page import REPORT_TABLES
 
     rows = [
@@ -133,19 +142,11 @@ def outputs_page() -> str:
             options.setdefault((f"`{option.name}`", _words(option.help)), []).append(words)
     own = [[*option, ", ".join(names)] for option, names in options.items()]
     parts.append(f"\n### Options of exports\n\n{markdown_table(['option', 'meaning', 'of'], own)}")
-    pictures = [
-        [f"`{each.name}`", each.caption, _SCOPES[each.scope], "`report`" if each.section else "`all`"]
-        for each in PICTURES
-    ]
-    parts.append(
-        "\n## Pictures\n\nFiles in `figures/`, drawn where the data are there. STATE is `last`, or `2.5mm` for the "
-        "step at u = 2.5 mm. `--figures report`, the default, draws those that the report shows, of the path that "
-        "stands for all and its last state; `all` draws every path of a few, of many the first of each kind and role. "
-        f"PNG, 100 dots an inch; `--figure-format` has others.\n\n"
-        f"{markdown_table(['name', 'caption', 'file', 'from'], pictures)}"
-    )
-    tables = [[f"`{each.name}`", each.section] for each in REPORT_TABLES]
-    parts.append(f"\n## Tables of the report\n\n{markdown_table(['name', 'section'], tables)}")
+    sections: dict[str, list[str]] = {}
+    for table in REPORT_TABLES:
+        sections.setdefault(table.section, []).append(f"`{table.name}`")
+    listed = "; ".join(f"{section}: {', '.join(names)}" for section, names in sections.items())
+    parts.append(f"\n## Tables of the report\n\nBy section. {listed}.\n")
     return "".join(parts)
 
 
@@ -157,6 +158,11 @@ same by name. [Notebooks](../start/notebook.md) has examples.
 
 Panels on axes of yours: `plots.draw_py(axes, path)`, `draw_profile`, `draw_secant`, `draw_tilt`, `draw_paths`. Runs
 over each other: `plots.overlay({"a": tree, "b": other}, path)`, and `pysprings diff --out`.
+
+A run writes them into `figures/`, where the data are there. STATE is `last`, or `2.5mm` for the step at u = 2.5 mm.
+`--figures report`, the default, draws those that the report shows, of the path that stands for all and its last state;
+`all` draws every path of a few, of many the first of each kind and role. PNG, 100 dots an inch; `--figure-format` has
+others.
 """
 
 
@@ -176,7 +182,8 @@ def pictures_page() -> str:
         shown = f"![{each.name}](pictures/{each.name}.png)\n\n" if file.exists() else ""
         call = f"tree.pysprings.plot.{each.name}({', '.join([*scope, *own])})"
         about = _words(inspect.getdoc(function) or "").split(" Parameters ---")[0]
-        parts.append(f"\n## {each.name}\n\n{shown}{each.caption.rstrip('.')}. `{call}`; ")
+        drawn = f"{_SCOPES[each.scope].replace('NAME', each.name)}, by `{'report' if each.section else 'all'}`"
+        parts.append(f"\n## {each.name}\n\n{shown}{each.caption.rstrip('.')}. {drawn}. `{call}`; ")
         parts.append(f"`plots.{function.__name__}`: {about}\n")
     return "".join(parts)
 
@@ -185,16 +192,25 @@ _SCOPES = {"run": "`NAME.png`", "path": "`PATH_NAME.png`", "state": "`PATH_NAME_
 _HEADS = ["key", "meaning", "value", "default"]
 
 
-def _section(table: Mapping[str, Any]) -> str:
-    """Return the words and keys of one table of the scene."""
+def _section(table: Mapping[str, Any], above: Mapping[str, Any] | None = None) -> str:
+    """Return the words and keys of one table of the scene; keys that are those of a table above by their names."""
+    rows, words = _keys(table), ""
+    for heading, other in (above or {}).items():
+        same = [row[0] for row in rows if row in _keys(other)]
+        rows = [row for row in rows if row[0] not in same]
+        words = f"\nAs in {heading}: {', '.join(same)}.\n"
+    return f"{_words(table['description'])}\n\n{markdown_table(_HEADS, rows)}{words}"
+
+
+def _keys(table: Mapping[str, Any]) -> list[list[str]]:
+    """Return key, meaning, value and default of the keys of a table of the scene."""
     required = table.get("required", [])
-    rows = [
+    return [
         [f"`{key}`", _words(value.get("description", "")), _type(value),
          "required" if key in required else _default(value)]
         for key, value in table["properties"].items()
         if "properties" not in value.get("items", {})
     ]  # fmt: skip
-    return f"{_words(table['description'])}\n\n{markdown_table(_HEADS, rows)}"
 
 
 def _type(value: Mapping[str, Any]) -> str:
