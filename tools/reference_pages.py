@@ -21,7 +21,7 @@ from pysprings.scene.template import scene_schema
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
 MARK = f"<!-- Made by `make pages` from version {__version__} of the program. Do not edit. -->\n\n"
-COMMON = 5  # commands with the same option, which the page of commands states once
+COMMON = 3  # commands with the same option, which the page of commands states once
 GROUP_TITLES = {
     "result_root": "full_model.nc, root",
     "result_path": "full_model.nc, paths/NAME",
@@ -170,7 +170,7 @@ def pictures_page() -> str:
     """Return the page of the pictures: a small picture where there is one, caption, call, and function."""
     from pysprings.results.plots import PICTURES
 
-    parts = [MARK, PICTURES_HEAD]
+    rows = []
     for each in PICTURES:
         function, fixed = getattr(each.function, "func", each.function), getattr(each.function, "keywords", {})
         scope = {"run": [], "path": ["path"], "state": ["path", "step=...", "displacement=..."]}[each.scope]
@@ -178,14 +178,12 @@ def pictures_page() -> str:
             f"{key}=..." for key, value in inspect.signature(function).parameters.items()
             if value.default is not inspect.Parameter.empty and key not in ("step", "displacement", *fixed)
         ]  # fmt: skip
-        file = PAGES / "pictures" / f"{each.name}.png"
-        shown = f"![{each.name}](pictures/{each.name}.png)\n\n" if file.exists() else ""
-        call = f"tree.pysprings.plot.{each.name}({', '.join([*scope, *own])})"
-        about = _words(inspect.getdoc(function) or "").split(" Parameters ---")[0]
+        shown = f"![{each.name}](pictures/{each.name}.png)" if (PAGES / f"pictures/{each.name}.png").exists() else ""
         drawn = f"{_SCOPES[each.scope].replace('NAME', each.name)}, by `{'report' if each.section else 'all'}`"
-        parts.append(f"\n## {each.name}\n\n{shown}{each.caption.rstrip('.')}. {drawn}. `{call}`; ")
-        parts.append(f"`plots.{function.__name__}`: {about}\n")
-    return "".join(parts)
+        call = f"`tree.pysprings.plot.{each.name}({', '.join([*scope, *own])})`; `plots.{function.__name__}`"
+        about = _words(inspect.getdoc(function) or "").split(" Parameters ---")[0]
+        rows.append([f"`{each.name}`", shown, f"{each.caption.rstrip('.')}. {drawn}. {call}: {about}"])
+    return f"{MARK}{PICTURES_HEAD}\n{markdown_table(['name', 'picture', 'file, call, content'], rows)}"
 
 
 _SCOPES = {"run": "`NAME.png`", "path": "`PATH_NAME.png`", "state": "`PATH_NAME_STATE.png`"}
