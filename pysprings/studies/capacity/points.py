@@ -20,7 +20,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.errors import RunIncomplete
-from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
