@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings.core.tables.load_cases import LoadCases
-from pysprings.core.vertical_loads import same_load
+from pysprings.core.loads import same_load
 
 Array = NDArray[np.float64]
 
