@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.loads import same_load
+from pysprings.core.tables.load_cases import LoadCases
 
 Array = NDArray[np.float64]
 
