@@ -78,12 +78,14 @@ def _curve(axes: Axes, view: View, kind: str) -> None:
     for data, look in ((full, {"color": style.INK, "linewidth": 2.6, "label": "full model"}),
                        (found, {"color": colour, "linestyle": dash, "label": SPRING_SETS[kind].label})):  # fmt: skip
         style.plot_path(axes, data[motion].values * style.MM, data[load].values * factor, converged(data), **look)
-    n = min(found.sizes["step"], int(good.sum()))
+    whole = int(good.sum())
+    n = min(found.sizes["step"], whole)
     size, ours = (np.abs(each[load].values[keep][:n]) for each, keep in ((full, good), (found, slice(None))))
     shown = size > SMALLEST * size.max(initial=0.0)
-    error = 100.0 * np.abs(ours[shown] / size[shown] - 1.0).max(initial=0.0)
+    error = f"{100.0 * np.abs(ours[shown] / size[shown] - 1.0).max():.2g} %" if shown.any() else "not known"
+    error += f", first {n} of {whole} states alone" * (n < whole)
     axes.set(xlabel=label, ylabel=f"{load} [{unit}{' m' if turns else ''}]")
-    axes.set_title(f"largest error of the springs in {load}: {error:.2g} %")
+    axes.set_title(f"largest error of the springs in {load}: {error}")
     axes.legend(loc="lower right")
 
 

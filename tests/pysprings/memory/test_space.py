@@ -357,6 +357,8 @@ def test_w_beyond_the_longest_way_is_marked() -> None:
     assert not model.answer("state", there).attrs["warnings"]
     (text,) = model.answer("state", np.tile(there, (200, 1))).attrs["warnings"]
     assert "times the longest way of the calibration: heave" in text
+    twist = 0.5 * model.elements.twist / model.elements.radius * np.array([[0, 0, 0, 0, 1.0], [0, 0, 0, 0, -1.0]])
+    assert not model.answer("state", np.tile(twist, (400, 1))).attrs["warnings"]  # a twist leaves w as it is
 
 
 def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:

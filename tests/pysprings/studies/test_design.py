@@ -109,14 +109,17 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
 
 def test_a_v_beyond_springs_at_one_v_has_a_bound_where_a_vertical_path_leads_beyond_it(tmp_path: Path) -> None:
     file = tmp_path / "cases.csv"
-    file.write_text("name,H [kN],arm [m],V [MN]\nless,100,2,1\nmore,100,2,3\nthere,100,2,2\n", encoding="utf-8")
+    rows = "less,100,2,1\nmore,100,2,3\nthere,100,2,2\nlifted,100,2,-1\nout,100,2,-4\n"  # the path ends at -0.8 MN
+    file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
     table = answer_cases(vertical_springs(ends=(-1e-2,)), read_load_cases(file), extrapolate=True).set_index("name")
     pull = REST + float(down_curve(np.array(-1e-2)))
     share = (1e6 - pull) / (REST - pull)
     assert f"at least {100 * share:.0f} % of those" in table["marks"]["less"]
     assert table["utilisation_bound"]["less"] == pytest.approx(table["utilisation"]["less"] / share, rel=1e-6)
-    assert table["marks"]["more"].endswith("no bound: no vertical path leads beyond V")
-    assert np.isnan(table["u_bound_m"]["more"]) and "bound" not in table["marks"]["there"]
+    for name in ("more", "lifted", "out"):
+        assert table["marks"][name].endswith("no bound: no vertical path leads beyond V")
+        assert np.isnan(table["u_bound_m"][name]) and np.isnan(table["utilisation_bound"][name])
+    assert "bound" not in table["marks"]["there"]
 
 
 def test_a_side_without_an_answer_is_named_and_v_alone_needs_no_lateral_springs(tmp_path: Path) -> None:
