@@ -107,7 +107,7 @@ def answer_cases(
     left, at = _left_beyond(frame, typed(springs), cases, choice)
     if cases.aside.any() or (left < 1.0).any():
         of_bound = bound.loads / np.nan_to_num(left, nan=1.0)[:, None]
-        found = answer_loads(springs, of_bound, at, extrapolate, **choice)
+        found = _farthest(answer_loads(springs, of_bound, at, extrapolate, **choice), typed(springs), left)
     frame = _with_twist(_with_bounds(frame, cases, found, (space, twisted), left), cases, answers, space)
     return frame.assign(verdict=verdicts(frame))
 
@@ -241,6 +241,25 @@ def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: 
         known, at[k] = (V[k] - end) / (own[k] - end), own[k]
         share[k] = known if 0.0 < known < 1.0 else np.nan
     return share, at
+
+
+def _farthest(answers: xr.Dataset, springs: Typed, left: Array) -> xr.Dataset:
+    """Return the bounds of cases whose share of loads (n,) is known, with the largest u and rotation that V may cause.
+
+    The share bounds the work H u + M rotation alone: what V leaves more may turn the motion. Of all motions q whose
+    work F_s(q) q is at most that of the load over its share, whose answer is q_b, the largest component is
+
+        (|q_b| + sqrt(C q_b.K q_b))/2,   K the stiffness at rest, C the component of its inverse,
+
+    where the springs soften from K in proportion.
+    """
+    if not isinstance(springs, Springs) or not (left < 1.0).any():
+        return answers
+    K, names = 0.5 * (springs.lateral_stiffness + springs.lateral_stiffness.T), ("u", "rotation")
+    q = np.stack([answers[name].values for name in names], axis=1)
+    most = np.sqrt(np.diag(np.linalg.inv(K)) * np.einsum("ni,ij,nj->n", q, K, q)[:, None])
+    q = np.where((left < 1.0)[:, None], 0.5 * (np.abs(q) + most), q)
+    return answers.assign({name: (answers[name].dims, own) for name, own in zip(names, q.T, strict=True)})
 
 
 def _with_bounds(

@@ -53,7 +53,7 @@ def path(turns: np.ndarray, kind: str, role: str) -> xr.Dataset:
     n, none = len(turns), np.zeros((DEPTH.size, 2, len(turns)))
     names = [name for name in MOTIONS if name != "w"], [name for name in LOADS if name != "V"]
     values = dict(zip(names[0], turns.T, strict=True)) | dict(zip(names[1], pushes(turns).T, strict=True))
-    values |= {"w": np.zeros(n), "V": np.full(n, 2e6), "time": np.arange(n, dtype=float)}
+    values |= {"w": np.full(n, 3e-3), "V": np.full(n, 2e6), "time": np.arange(n, dtype=float)}
     data = {name: ("step", value) for name, value in values.items()} | {"converged": ("step", np.ones(n, np.int8))}
     p, dims = by_depth(turns), ("depth", "side", "step")
     data |= {f"p_{axis}": (dims, np.stack([p[:, k], 0.0 * p[:, k]], 1)) for k, axis in enumerate("xy")}

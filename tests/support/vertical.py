@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Springs with vertical paths of a known curve, and the same rays under several vertical loads."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -65,9 +68,9 @@ def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
     return variables.attach(out, "springs_path")
 
 
-def fan_with_vertical() -> xr.DataTree:
-    """Return the eight rays of a coupled law in closed form (`fans.potential`), with vertical paths down and up."""
-    tree = fans.fan_springs(fans.potential)
+def fan_with_vertical(law: Callable[..., Any] = fans.potential) -> xr.DataTree:
+    """Return the eight rays of a coupled law in closed form, with vertical paths down and up."""
+    tree = fans.fan_springs(law)
     for end in (1e-2, -1e-2):
         path = vertical_path(tree["paths/ray_0"].to_dataset(inherit=False), end)
         tree[f"paths/{'down' if end > 0.0 else 'up'}"] = xr.DataTree(path)
