@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Files for other programs and people. A new exporter is one module here and one entry in `EXPORTERS`.
+"""Files for other programs and people. A new exporter is one module here and one entry in `formats`.
 
-Other packages call `EXPORTERS.register`. Every exporter replaces a file only when the new one is whole. Heavy libraries
-load when an exporter is called.
+Other packages call `EXPORTERS.register`. Every exporter replaces a file only when the new one is whole. Its module, and
+the heavy libraries that it imports, load when it is called.
 """
 
 from __future__ import annotations
@@ -12,29 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.registry import Registry
-from pysprings.results.exporters import beam, calculix, csv, openfast, opensees, paraview, sacs, subdyn, xlsx
 from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
+from pysprings.results.exporters.formats import FORMATS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-EXPORTERS: Registry[Exporter] = Registry(
-    "exporter",
-    (
-        csv.CSV,
-        csv.WIDE,
-        xlsx.XLSX,
-        csv.NETCDF,
-        csv.JSON,
-        beam.BEAM,
-        paraview.PARAVIEW,
-        openfast.OPENFAST,
-        subdyn.SUBDYN,
-        opensees.OPENSEES,
-        calculix.CALCULIX,
-        sacs.SACS,
-    ),
-)
+EXPORTERS: Registry[Exporter] = Registry("exporter", FORMATS)
 
 PathLike = str | os.PathLike[str]
 

@@ -8,36 +8,34 @@ scaled down where its sum would be above the recorded one. The table states the 
 lines on the paths held back, and that of a beam on p(y) alone.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import HELD_BACK
+from pysprings.core.storage import replacing
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import (
-    Exported,
-    Exporter,
-    Option,
-    Options,
-    Source,
-    Target,
-    read_options,
-    write_text_file,
-)  # fmt: skip
+from pysprings.core.units import QuantityError, read
+from pysprings.macro.curve_table import Row, stack
+from pysprings.macro.model import MacroModel
+from pysprings.results.exporters.base import Exported, Options, Source, Target, read_options, write_text_file
+from pysprings.results.exporters.csv import csv_text
+from pysprings.results.exporters.formats import BEAM, POINTS
+from pysprings.results.exporters.header import header, springs_at
+from pysprings.results.exporters.uniaxial_curve import table
+from pysprings.results.exporters.uniaxial_sets import FEWEST, Uniaxial, errors_by_role, lateral, with_tables
+from pysprings.results.sheets import HEAD, PLAIN_CELLS
+from pysprings.springs.springs import Springs
+from pysprings.springs.sums import action, with_moment
+from pysprings.springs.tip_zone import shares, tip_zone
 
-if TYPE_CHECKING:
-    import numpy as np
-    import pandas as pd
-    import xarray as xr
-    from numpy.typing import NDArray
-
-    from pysprings.macro.curve_table import Row
-    from pysprings.springs.springs import Springs
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 COLUMNS = (
     *("family", "depth_m", "y_m", "p_N_per_m", "rotation_rad", "m_Nm_per_m", "H_N", "M_Nm"),
@@ -51,7 +49,6 @@ PLACES = {
 }  # fmt: skip
 FAMILIES = ("py", "m", "tip", "lid")
 LEAST_CHANGE = 1e-3  # of the largest reaction of a curve: smaller corrections are not listed
-POINTS = 80  # of a curve
 BETWEEN = "straight lines between the points; curves are odd, and end with their range: beyond it nothing was computed"
 FRAME = "depth down from mudline; y and H along the load; rotation and M positive where the caisson leans towards it"
 UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the slice they are a force and a moment"
@@ -62,10 +59,6 @@ def depths_of(text: str, length: float) -> Array:
 
     Raises UserInputError, all faults at once, for fewer than two depths, depths outside the skirt, or not in order.
     """
-    import numpy as np
-
-    from pysprings.core.units import QuantityError, read
-
     parts = [part.strip() for part in text.split(",")]
     for k in range(len(parts) - 2, -1, -1):
         if re.fullmatch(r"[-+.\deE]+", parts[k]) and (found := re.fullmatch(r"[-+.\deE]+ *(\D+)", parts[k + 1])):
@@ -92,11 +85,6 @@ def rows_of(springs: Springs, depths: Array | None) -> tuple[list[Row], dict[flo
 
     Slices end half way between the depths; without depths they are those of all tables, the last fifth as one.
     """
-    import numpy as np
-
-    from pysprings.springs.sums import with_moment
-    from pysprings.springs.tip_zone import shares, tip_zone
-
     if springs.pure_paths is None:
         raise refused("springs", "curves for beam programs need a pure translation and a pure rotation: run a fan")
     slid, turned = (springs.paths[name] for name in springs.pure_paths)
@@ -125,11 +113,6 @@ def _family(
     springs: Springs, q: Array, curves: dict[str, Array], z: Array, bounds: Array
 ) -> tuple[list[Row], list[str]]:
     """Return the rows of forces, or of moments, on the safe side, over one displacement (steps,); what that changes."""
-    import numpy as np
-
-    from pysprings.macro.curve_table import Row
-    from pysprings.springs.sums import action
-
     length, q = springs.length, _change(q)
     places = [(name, depth, height) for name, r in curves.items() for depth, height in (
         zip(z, np.diff(bounds, axis=1)[:, 0], strict=True) if len(r) > 1 else [(length if "tip" in name else 0.0, 0.0)]
@@ -157,15 +140,11 @@ def _family(
 
 def monotone(values: Array) -> Array:
     """Return the largest curves (n, k) below curves that start at 0 that nowhere fall, at least 0."""
-    import numpy as np
-
     return np.maximum(np.minimum.accumulate(values[:, ::-1], axis=1)[:, ::-1], 0.0)
 
 
 def on_safe_side(given: Array, weight: Array) -> Array:
     """Return curves (n, k) of one displacement that grow, whose sum by weight (n,) is at most the one before."""
-    import numpy as np
-
     grown = monotone(given)
     before, now = monotone((weight @ given)[None])[0], weight @ grown
     return monotone(grown * np.minimum(before / np.where(now > 0.0, now, 1.0), 1.0))
@@ -173,12 +152,6 @@ def on_safe_side(given: Array, weight: Array) -> Array:
 
 def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFrame]:
     """Return the lines above the table, and the table (`COLUMNS`, SI)."""
-    from pysprings.macro.curve_table import stack
-    from pysprings.macro.model import MacroModel
-    from pysprings.results.exporters.header import header, springs_at
-    from pysprings.results.exporters.uniaxial_curve import table
-    from pysprings.results.exporters.uniaxial_sets import FEWEST, Uniaxial, errors_by_role, lateral, with_tables
-
     if int(options["points"]) < FEWEST:
         raise refused("--option points", f"{options['points']} is not from {FEWEST} to any number")
     springs, V = springs_at(source, options)
@@ -205,8 +178,6 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
 
 def _frame(curves: Sequence[tuple[str, float, Array, Array]], bounds: Mapping[float, list[float]]) -> pd.DataFrame:
     """Return the table of curves (spring, depth, displacements, reactions), one row a point, each from the origin."""
-    import pandas as pd
-
     parts = []
     for name, depth, q, f in curves:
         family, moves, reacts = PLACES[name]
@@ -217,23 +188,19 @@ def _frame(curves: Sequence[tuple[str, float, Array, Array]], bounds: Mapping[fl
     return frame.sort_values("family", kind="stable", key=lambda names: names.map(FAMILIES.index))
 
 
-def _text(source: Source, options: Options) -> str:
-    from pysprings.results.exporters.csv import csv_text
-
+def text(source: Source, options: Options) -> str:
+    """Return the table as CSV text below its lines."""
     head, frame = beam_tables(source, options)
     return "\n".join([*commented("#", head), csv_text(frame)])
 
 
-def _write(source: Source, target: Target, options: Options) -> Exported:
+def write(source: Source, target: Target, options: Options) -> Exported:
     """Write beam.csv into a folder; the table as CSV or workbook where the target names such a file."""
     if not target.path.suffix:
-        return Exported([target.write("beam.csv", _text(source, options))])
+        return Exported([target.write("beam.csv", text(source, options))])
     if target.path.suffix.lower() != ".xlsx":
-        return write_text_file(_text)(source, target, options)
+        return write_text_file(text)(source, target, options)
     import xlsxwriter
-
-    from pysprings.core.storage import replacing
-    from pysprings.results.sheets import HEAD, PLAIN_CELLS
 
     head, frame = beam_tables(source, options)
     lines = commented("#", head)
@@ -246,20 +213,6 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
         for k, row in enumerate(frame.itertuples(index=False), start=len(lines) + 1):
             sheet.write_row(k, 0, [None if value != value else value for value in row])
     return Exported([target.path])
-
-
-BEAM = Exporter(
-    name="beam",
-    description="one set of curves for beam programs: p(y), m(rotation), tip and lid (CSV, xlsx)",
-    write=_write,
-    text=_text,
-    options=(
-        Option("depths", 'depths of the curves, such as "0.5, 1.5, 2.5 m"; those of all tables without', default=""),
-        Option("points", "points of a curve", POINTS),
-        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
-        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
-    ),
-)
 
 
 def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, **options: Any) -> xr.Dataset:
@@ -280,11 +233,6 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
 
     Raises UserInputError: depths or options that do not fit, springs without both paths.
     """
-    import numpy as np
-    import xarray as xr
-
-    from pysprings.springs.springs import Springs
-
     tree = springs.tree if isinstance(springs, Springs) else springs
     given = "" if depths is None else ", ".join(f"{depth:.12g} m" for depth in depths)
     head, frame = beam_tables(Source(tree), read_options(BEAM, {"depths": given} | options))

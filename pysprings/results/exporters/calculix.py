@@ -5,24 +5,19 @@ The points follow the lid by `*EQUATION`; the lid is a reference node with a nod
 syntax is that of Abaqus, where the lid would be one node with six degrees of freedom (not run there).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import count
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, table_options
+from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.uniaxial_sets import Prepared, Terms, prepare, read_by
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from pysprings.results.exporters.uniaxial_sets import Prepared, Terms
-
-    Array = NDArray[np.float64]
-    Pair = tuple[Array, Array]
+Array = NDArray[np.float64]
+Pair = tuple[Array, Array]
 
 PIECE = 200  # points: CalculiX 2.20 reads these of a table; longer ones give wrong answers
 
@@ -32,10 +27,6 @@ Lid = dict[str, tuple[int, int]]  # (node, degree of freedom) of ux, uy, uz, rx,
 
 def _elements(made: Prepared, lid: Lid, first: int) -> Iterator[str]:
     """Yield nodes, elements, equations and tables of all springs."""
-    import numpy as np
-
-    from pysprings.results.exporters.uniaxial_sets import read_by
-
     numbers = count(first)
     tag = first
     for row in made.tables:
@@ -118,9 +109,8 @@ _CONTROLS = """*CONTROLS, PARAMETERS=TIME INCREMENTATION
 """
 
 
-def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.uniaxial_sets import prepare
-
+def write(source: Source, target: Target, options: Options) -> Exported:
+    """Write the springs, and an example that includes them."""
     made = prepare(source, options, "CalculiX springs", _FRAME)
     node, rotations, first = (int(options[name]) for name in ("lid", "rotations", "first"))
     lid = {f"u{axis}": (node, k) for k, axis in enumerate("xyz", 1)}
@@ -136,17 +126,3 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
         ),
     ]
     return Exported(files, made.lost)
-
-
-CALCULIX = Exporter(
-    name="calculix",
-    description="springs for CalculiX: *SPRING, NONLINEAR as include file in the syntax of Abaqus, and an example",
-    write=_write,
-    suffixes=(".inp",),
-    options=(
-        *table_options(401),
-        Option("lid", "node of the lid", 1),
-        Option("rotations", "node of the rotations of the lid", 2),
-        Option("first", "first number of nodes and elements", 900001),
-    ),
-)

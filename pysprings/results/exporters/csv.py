@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: MIT
 """Springs as files of data, in SI: CSV tables (one header line, no comment lines), one JSON document, NetCDF."""
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import pandas as pd
+import xarray as xr
+
+from pysprings.core.storage import write_text
 from pysprings.core.text import json_text
-from pysprings.results.exporters.base import Exported, Exporter, Options, Source, Target, write_text_file
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
+from pysprings.macro.spring_sets import with_stored
+from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.tables import load_displacement, py_long, py_wide
+from pysprings.springs.checks import save_springs
+from pysprings.springs.path import paths_of
 
 # Ten digits: below the accuracy of the model, and short enough to read.
 _NUMBER = "%.10g"
@@ -22,56 +24,26 @@ _COUNT = re.compile(r"^states|^depths|_states$")  # columns of a comparison that
 
 def py_text(source: Source, _options: Options) -> str:
     """Return the long p-y table as CSV text."""
-    from pysprings.results.exporters.tables import py_long
-
     return csv_text(py_long(source.tables))
 
 
 def wide_text(source: Source, _options: Options) -> str:
     """Return the wide p-y table (rows are steps, a pair of columns y, p for each slice) as CSV text."""
-    from pysprings.results.exporters.tables import py_wide
-
     return csv_text(py_wide(source.tables))
-
-
-CSV = Exporter(
-    name="csv",
-    description="p-y tables",
-    write=write_text_file(py_text),
-    suffixes=(".csv",),
-    file="py.csv",
-    text=py_text,
-    of_every_run=True,
-)
-WIDE = Exporter(
-    name="wide",
-    description="the same, a pair of columns y, p by depth, for spreadsheets",
-    write=write_text_file(wide_text),
-    suffixes=(".csv",),
-    file="py_wide.csv",
-    text=wide_text,
-    of_every_run=True,
-)
 
 
 def write_load_displacement(result: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     """Write loads and displacements of the whole caisson by step; return the path."""
-    from pysprings.results.exporters.tables import load_displacement
-
     return write_frame(load_displacement(result), path)
 
 
 def write_frame(frame: pd.DataFrame, path: str | os.PathLike[str]) -> Path:
     """Write any table, such as the comparison with the full model; return the path."""
-    from pysprings.core.storage import write_text
-
     return write_text(csv_text(frame), path)
 
 
 def read_comparison(path: str | os.PathLike[str]) -> pd.DataFrame:
     """Return a comparison as `compare.csv` holds it, with ten digits; types are those of `compare`."""
-    import pandas as pd
-
     texts = dict.fromkeys(("path", "role", "kind", "springs", "springs_from", "status"), str)
     frame = pd.read_csv(path, dtype=texts, keep_default_na=False, na_values=[""])
     whole = [name for name in frame.select_dtypes("integer") if not _COUNT.search(str(name))]  # 2.0 is written as 2
@@ -87,8 +59,6 @@ def csv_text(frame: pd.DataFrame) -> str:
 
 def springs_text(source: Source, _options: Options) -> str:
     """Return the spring set as strict JSON text (SI)."""
-    from pysprings.springs.path import paths_of
-
     springs = source.springs
     document = {
         "attributes": {str(name): value for name, value in springs.attrs.items()},
@@ -96,16 +66,6 @@ def springs_text(source: Source, _options: Options) -> str:
         "paths": {name: _path(path.recorded) for name, path in paths_of(springs).items()},
     }
     return json_text(document) + "\n"
-
-
-JSON = Exporter(
-    name="json",
-    description="all springs as one JSON document",
-    write=write_text_file(springs_text),
-    suffixes=(".json",),
-    file="springs.json",
-    text=springs_text,
-)
 
 
 def _path(path: xr.Dataset) -> dict[str, Any]:
@@ -120,18 +80,6 @@ def _variable(data: xr.DataArray) -> dict[str, Any]:
     return {"dims": [str(name) for name in data.dims], "units": data.attrs.get("units", "1"), "values": data.values}
 
 
-def _write_netcdf(source: Source, target: Target, _options: Options) -> Exported:
-    from pysprings.macro.spring_sets import with_stored
-    from pysprings.springs.checks import save_springs
-
+def write_netcdf(source: Source, target: Target, _options: Options) -> Exported:
+    """Write the springs as `springs.nc`."""
     return Exported([save_springs(with_stored(source.springs), target.path)])
-
-
-NETCDF = Exporter(
-    name="nc",
-    description="springs (NetCDF), for `pysprings springs, predict, compare`",
-    write=_write_netcdf,
-    suffixes=(".nc",),
-    file="springs.nc",
-    of_every_run=True,
-)

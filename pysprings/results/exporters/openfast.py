@@ -4,17 +4,16 @@
 Formats as OpenFAST 5.0.0 reads them (commit 2895884).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pysprings.core.variables import known_torsion
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
-from pysprings.results.exporters.subdyn import FRAME, MATRIX, UNITS, matrix_of, write_subdyn
-
-if TYPE_CHECKING:
-    from pysprings.macro.model import MacroModel
+from pysprings.macro.fan import has_fan
+from pysprings.macro.model import MacroModel
+from pysprings.macro.space import SpaceAnswers
+from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.header import BACKBONE, header, springs_at, torsion_words
+from pysprings.results.exporters.soildyn.library import library_input, library_name, matrix_input, spring_text
+from pysprings.results.exporters.subdyn import FRAME, UNITS, matrix_of, write_subdyn
 
 _SPRING_FILE = "caisson.txt"
 _NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
@@ -29,12 +28,6 @@ _CYCLES = "elements that remember reversals, for tens of cycles"
 
 def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[Path], list[str]]:
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
-    from pysprings.macro.fan import has_fan
-    from pysprings.macro.model import MacroModel
-    from pysprings.macro.space import SpaceAnswers
-    from pysprings.results.exporters.header import BACKBONE, header, springs_at, torsion_words
-    from pysprings.results.exporters.soildyn.library import library_input, library_name, spring_text
-
     springs, load = springs_at(source, options)
     if not has_fan(springs):
         return [], [_NO_FAN]
@@ -68,10 +61,8 @@ def _place(options: Options) -> tuple[float, float, float]:
     return float(options["x"] or 0.0), float(options["y"] or 0.0), float(options["z"] or 0.0)
 
 
-def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.header import header
-    from pysprings.results.exporters.soildyn.library import matrix_input
-
+def write(source: Source, target: Target, options: Options) -> Exported:
+    """Write matrices, and the spring file of the nonlinear foundation where there is a fan."""
     found = matrix_of(source, options)
     head = [*header(source, f"OpenFAST foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
     files = [
@@ -80,25 +71,3 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
     ]
     more, remarks = _nonlinear(source, target, options)
     return Exported([*files, *more], [*found.lines, *remarks])
-
-
-OPENFAST = Exporter(
-    name="openfast",
-    description="OpenFAST foundation: matrices for SubDyn and SoilDyn, nonlinear springs for the SoilDyn library",
-    write=_write,
-    suffixes=(".dat", ".txt"),
-    options=(
-        Option("x", "place of the lid centre in the frame of OpenFAST", unit="m", example="0 m"),
-        Option("y", "the same", unit="m", example="0 m"),
-        Option("z", "height of the mudline above still water, negative", unit="m", example="-30 m"),
-        Option("springs", "of the nonlinear foundation: the fan, or the elements that remember reversals", "fan",
-               choices=("fan", "memory")),
-        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
-        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
-        Option("reaction_at_rest", "vertical reaction of the nonlinear foundation at displacement 0: the vertical load "
-               "at rest (the structure has its weight), or none", "load", choices=("load", "none")),
-        Option("beyond", "beyond the calibrated range the library extrapolates with a warning, or stops OpenFAST",
-               "warn", choices=("warn", "stop")),
-        *MATRIX,
-    ),
-)  # fmt: skip

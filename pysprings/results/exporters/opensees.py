@@ -8,19 +8,15 @@ first step, and the answer depends on the steps.
 sand and clay around a caisson do not follow; it is written on request, and labelled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target, table_options
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from pysprings.results.exporters.uniaxial_sets import Prepared
+from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.uniaxial_sets import Prepared, errors_on_reversals, prepare
 
 _FRAME = (
     "3D (ndm 3, ndf 6), z up; springs in vertical planes at depths below the lid node, which is at mudline, at the "
@@ -176,8 +172,6 @@ def _data(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
 
 def _settings(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
     """Yield axes of the springs, torsion [N m/rad], unloading by Masing's rule (1) or not (0), beams [N/m]."""
-    import numpy as np
-
     half = np.array(made.angles[: len(made.angles) // 2])
     pairs = [(f"{c:.15g}", f"{s:.15g}") for c, s in zip(np.cos(half), np.sin(half), strict=True)]
     if words is _IN_PYTHON:
@@ -190,14 +184,11 @@ def _settings(made: Prepared, words: _Words, masing: bool) -> Iterator[str]:
         yield words.value.format(lower=name, upper=name.upper(), value=value)
 
 
-def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.uniaxial_sets import prepare
-
+def write(source: Source, target: Target, options: Options) -> Exported:
+    """Write the springs in Python and in Tcl."""
     made = prepare(source, options, "OpenSees springs", _FRAME)
     masing, first = options["material"] == "masing", int(options["first"])
     if masing:
-        from pysprings.results.exporters.uniaxial_sets import errors_on_reversals
-
         label = [_MASING, *errors_on_reversals(made.springs, made.made, made.tables)]
         made = replace(made, head=[*made.head, *label], lost=[*made.lost, *label])
     files = []
@@ -205,17 +196,3 @@ def _write(source: Source, target: Target, options: Options) -> Exported:
         text = "\n".join(line for line in _data(made, words, masing) if line)
         files.append(target.write(f"caisson_opensees.{ending}", text + "\n" + attach.format(first=first)))
     return Exported(files, made.lost)
-
-
-OPENSEES = Exporter(
-    name="opensees",
-    description="springs for OpenSees: openseespy and Tcl, ElasticMultiLinear on stiff beams",
-    write=_write,
-    suffixes=(".py", ".tcl"),
-    options=(
-        *table_options(401),
-        Option("material", "elastic: ElasticMultiLinear; masing: MultiLinear, hysteresis by Masing's rule", "elastic",
-               choices=("elastic", "masing")),
-        Option("first", "first tag of nodes, materials and elements", 900001),
-    ),
-)  # fmt: skip

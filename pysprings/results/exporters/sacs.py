@@ -6,27 +6,30 @@ Forces of tip and lid join the slices beside them. Cards have fixed columns, six
 kN/cm, kN/cm2), after the SACS 2024 PSI manual, 2.4.3.7, 2.4.3.8 and 2.4.5.2 (T-Z, Q-Z and P-Y curves of the user).
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import ZONE, Exported, Exporter, Option, Options, Source, Target, table_options
+from pysprings.macro.solver import row_values
+from pysprings.results.exporters.base import ZONE, Exported, Options, Source, Target
+from pysprings.results.exporters.header import header, springs_at
+from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
+from pysprings.results.exporters.uniaxial_sets import (
+    Uniaxial,
+    change_by_tables,
+    errors_by_role,
+    uniaxial,
+    with_tables,
+)
+from pysprings.springs.springs import Springs
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from pysprings.results.exporters.uniaxial_curve import Spring, Table
-    from pysprings.results.exporters.uniaxial_sets import Uniaxial
-    from pysprings.springs.springs import Springs
-
-    Array = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 WIDTH = 6  # characters of a number
 PAIRS = 5  # a line
@@ -90,8 +93,6 @@ def read(cell: str) -> float:
 
 def rounded(stratum: Stratum) -> Stratum:
     """Return a stratum with the numbers as the cards hold them; displacements that are alike there count once."""
-    import numpy as np
-
     q, f = (np.array([read(number(float(value))) for value in values]) for values in (stratum.q, stratum.f))
     keep = np.concatenate([[True], np.diff(q) > 0.0])
     return Stratum(stratum.top, stratum.bottom, q[keep], f[keep], stratum.symmetric)
@@ -126,7 +127,7 @@ def _card(*fields: tuple[int, str]) -> str:
     return "".join(line).rstrip()
 
 
-POINTS, FINE = 20, 801
+FINE = 801
 CM, KN_PER_CM, N_PER_CM2 = 1e-2, 1e5, 1e4  # in SI; T and Q have the factor 0.001
 _FRAME = "pile axis down; depths from the pile head [m]; z of T-Z and Q-Z positive downwards (pile in compression)"
 _UNITS = "metric: depth m, P kN/cm, y and z cm, T and Q 0.001 kN/cm2 (factor 0.001 in columns 39-44; that of P is 1)"
@@ -163,11 +164,6 @@ def _sum(one: Spring, other: Spring) -> Spring:
 
 def _vertical(made: Uniaxial) -> tuple[list[Spring], list[Spring]]:
     """Return springs t [N/m] of all slices, and the sum of tip and lid [N], over the change of w from rest."""
-    import numpy as np
-
-    from pysprings.macro.solver import row_values
-    from pysprings.results.exporters.uniaxial_curve import Spring
-
     table = made.model.vertical
     if table is None:
         return [], []
@@ -202,8 +198,6 @@ def _stratum(given: Table, bounds: tuple[float, float], unit: float) -> Stratum:
 
 def _bounds(made: Uniaxial, depth: float, head: float) -> tuple[float, float]:
     """Return top and bottom of the slice at a depth [m], below the pile head."""
-    import numpy as np
-
     edges = made.model.origin["depth_bounds"]
     k = int(np.argmin(np.abs(made.model.origin.depth - depth)))
     return head + float(edges[k, 0]), head + float(edges[k, 1])
@@ -211,8 +205,6 @@ def _bounds(made: Uniaxial, depth: float, head: float) -> tuple[float, float]:
 
 def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
     """Return a symmetric table with the numbers of the cards, in SI."""
-    import numpy as np
-
     q, f = stratum.q * CM, stratum.f * unit
     spring = replace(given.spring, low=-float(q[-1]), high=float(q[-1]))
     return replace(given, spring=spring, q=np.concatenate([-q[:0:-1], q]), f=np.concatenate([-f[:0:-1], f]))
@@ -220,9 +212,6 @@ def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
 
 def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
     """Return the lines of the cards, and the sentences on what is lost."""
-    from pysprings.results.exporters.header import springs_at
-    from pysprings.results.exporters.uniaxial_sets import uniaxial
-
     points = int(options["points"])
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
@@ -235,9 +224,6 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
 
 def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
     """Return P-Y cards, and sentences on what they lose, with the errors of the curves as they are written."""
-    from pysprings.results.exporters.uniaxial_curve import table
-    from pysprings.results.exporters.uniaxial_sets import change_by_tables, errors_by_role, with_tables
-
     head, (slices, lost) = float(options["head"] or 0.0), _lateral(made)
     strata, written = [], []
     for given in (table(each, 2 * int(options["points"]) - 1) for each in slices):
@@ -251,8 +237,6 @@ def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[
 
 def _axial_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
     """Return T-Z and Q-Z cards, and sentences on them; no cards without vertical paths."""
-    from pysprings.results.exporters.uniaxial_curve import table
-
     skirt, end = _vertical(made)
     if not skirt:
         return [], ["no T-Z and Q-Z cards: the springs have no vertical paths"]
@@ -277,25 +261,9 @@ def _axial(made: Uniaxial, area: float) -> Iterator[str]:
             yield f"no vertical path of a caisson that is {words}: T-Z and Q-Z carry nothing there"
 
 
-def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.header import header
-
+def write(source: Source, target: Target, options: Options) -> Exported:
+    """Write the cards."""
     lines, lost = _texts(source, options)
     head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS), *lost]
     text = "\n".join([*commented("*", head, 76), *lines]) + "\n"
     return Exported([target.write("caisson_sacs.inp", text)], lost)
-
-
-SACS = Exporter(
-    name="sacs",
-    description="P-Y, T-Z and Q-Z cards for SACS PSI, metric; not run in SACS",
-    write=_write,
-    suffixes=(".inp",),
-    options=(
-        Option("springs", "spring set whose p-y springs are written", "full", choices=("full", "pisa", "py")),
-        Option("points", "points of a side of a curve; a curve has at most 30", POINTS),
-        *(option for option in table_options(POINTS) if option.name in ("V", "rate")),
-        Option("soil", "name of the soil, four letters", "SOL1"),
-        Option("head", "height of the pile head above mudline", unit="m", example="2 m"),
-    ),
-)

@@ -5,19 +5,16 @@ Formats as OpenFAST 5.0.0 reads them (commit 2895884). SubDyn takes a missing la
 Both are linear.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Exporter, Option, Options, Source, Target
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from pysprings.results.exporters.linear import Linear
+from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.header import header
+from pysprings.results.exporters.linear import Linear, linear
+from pysprings.springs.springs import Springs
 
 _DOFS = ("x", "y", "z", "tx", "ty", "tz")
 FRAME = (
@@ -70,18 +67,8 @@ def _unit(i: int, j: int) -> str:
     return ("(N/m)", "(N/rad)", "(Nm/rad)")[(i > 2) + (j > 2)]
 
 
-MATRIX = (
-    Option("at", "where the matrix is that of the springs: a load (H, M, V, arm), \"H=2 MN, arm=60 m\", or a share of "
-           "a path, \"50 % of pull_1_D\"; at rest without", default=""),
-    Option("matrix", "the secant from rest, or the tangent there", "secant", choices=("secant", "tangent")),
-)  # fmt: skip
-
-
 def matrix_of(source: Source, options: Options) -> Linear:
     """Return the matrix (6, 6) with z up, at rest or at a load, and the sentences on what a matrix loses."""
-    from pysprings.results.exporters.linear import linear
-    from pysprings.springs.springs import Springs
-
     found = linear(Springs.of(source.springs), options)
     return found if found.stiffness[5, 5] else replace(found, lines=[*found.lines, NO_TORSION])
 
@@ -94,18 +81,8 @@ def write_subdyn(head: Sequence[str], stiffness: np.ndarray, target: Target) -> 
     ]
 
 
-def _write(source: Source, target: Target, options: Options) -> Exported:
-    from pysprings.results.exporters.header import header
-
+def write(source: Source, target: Target, options: Options) -> Exported:
+    """Write the SSI file and the spring element."""
     found = matrix_of(source, options)
     head = [*header(source, f"SubDyn foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
     return Exported(write_subdyn(head, found.stiffness, target), found.lines)
-
-
-SUBDYN = Exporter(
-    name="subdyn",
-    description="stiffness for SubDyn, at rest or at a load: SSI file, spring element",
-    write=_write,
-    suffixes=(".dat",),
-    options=MATRIX,
-)

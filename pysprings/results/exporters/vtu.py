@@ -14,10 +14,16 @@ import xarray as xr
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.storage import write_text
 from pysprings.core.variables import STRESSES
+from pysprings.results.exporters.base import Exported, Options, Source, Target
 from pysprings.springs.path import paths_of
 
 _TYPES = {"float32": "Float32", "float64": "Float64", "int32": "Int32", "int8": "Int8", "uint8": "UInt8"}
 _HEXAHEDRON = 12  # VTK's number of the cell; its corners are in the order of ours
+
+
+def write(source: Source, target: Target, _options: Options) -> Exported:
+    """Write the files of all paths into a folder."""
+    return Exported(write_paraview(source.result, target.path, target.note))
 
 
 def write_paraview(result: xr.DataTree, folder: Path, note: Callable[[Path], object] | None = None) -> list[Path]:

@@ -17,7 +17,7 @@ from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import SPACE_NOTE
 from pysprings.macro.space import SpaceAnswers
 from pysprings.results.exporters.csv import read_comparison, write_frame
-from pysprings.results.exporters.xlsx.book import about_lines
+from pysprings.results.exporters.xlsx import about_lines
 from pysprings.results.report.validity import compare_table
 from pysprings.springs.checks import save_springs
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS

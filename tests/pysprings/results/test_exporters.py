@@ -12,7 +12,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
-from pysprings.results.exporters.xlsx.book import plain_names
+from pysprings.results.exporters.xlsx import plain_names
 from pysprings.results.report.load_cases import spring_tables
 from pysprings.springs.tip_zone import reslice
 from tests.support import written

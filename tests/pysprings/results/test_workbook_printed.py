@@ -10,7 +10,7 @@ import openpyxl
 import pytest
 
 from pysprings.results.exporters.base import Source
-from pysprings.results.exporters.xlsx.workbook import write_workbook
+from pysprings.results.exporters.xlsx import write_workbook
 from tests.support import synthetic
 
 OFFICE = shutil.which("soffice") or shutil.which("libreoffice")
