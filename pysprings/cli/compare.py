@@ -108,8 +108,8 @@ def open_run(folder: Path, name: str) -> Run:
 
 
 def _draw(first: Run, second: Run, names: list[str], out: Path, figure_format: str) -> list[Path]:
+    from pysprings.results.plots.comparison import overlay
     from pysprings.results.plots.files import save
-    from pysprings.results.plots.two_runs import overlay
     from pysprings.springs.path import paths_of
 
     out.mkdir(parents=True, exist_ok=True)

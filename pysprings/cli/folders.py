@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Result folders of commands: created, locked, and protected from replacement."""
+"""Result folders of commands: created, locked, and protected from replacement; folders of several estimates."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pysprings.cli.support import refuse
+from pysprings.cli.support import print_json, print_table, refuse, to_stderr
+from pysprings.core.words import ESTIMATES
 from pysprings.core.written import exclusive, is_unfinished, new_folder
 
 if TYPE_CHECKING:
@@ -84,3 +85,47 @@ def record_stamp(folder: Path) -> tuple[int, int] | None:
     """Return a stamp that changes when a run writes its record; None without a record."""
     record = folder / "run.json"
     return (record.stat().st_ino, record.stat().st_mtime_ns) if record.exists() else None
+
+
+def chosen(given: Sequence[str] | None) -> tuple[str, ...]:
+    """Return each estimate of `--estimate` once, in the order of `ESTIMATES`; refuse other words."""
+    if wrong := [each for each in given or () if each not in ESTIMATES]:
+        refuse("--estimate", f"'{wrong[0]}' is none of {', '.join(ESTIMATES)}")
+    return tuple(each for each in ESTIMATES if each in (given or ()))
+
+
+def refuse_without_ranges(scene: Path) -> None:
+    """Refuse a scene in which no value has a range."""
+    from pysprings.scene.load import SceneText
+
+    if not SceneText.read(scene).has_ranges:
+        refuse("--estimate", "no value of the scene has a range { low, best, high }: all estimates are the same", scene)
+
+
+def ready_to_run(scene: Path, folder: Path) -> None:
+    """Refuse a scene without ranges, and a folder that holds one run itself."""
+    refuse_without_ranges(scene)
+    refuse_no_folder(folder)
+    if (folder / "run.json").exists():
+        refuse("--out", "holds one run: choose another folder for several estimates", folder)
+
+
+def show_together(folder: Path, estimates: Sequence[str], as_json: bool, quiet: bool) -> None:
+    """Write and print what shows the runs side by side; nothing is made of fewer than two with springs."""
+    from pysprings.cli.compare import open_run
+    from pysprings.cli.results import results
+    from pysprings.results.estimates import folders_of, table_of, write_together
+
+    files: list[Path] = []
+    runs = {name: open_run(place, name) for name, place in folders_of(folder).items() if name in estimates}
+    if len(runs) > 1:
+        files, loads = write_together(folder, runs)
+        if not as_json and not quiet:
+            print_table(table_of(loads))
+    else:
+        to_stderr("note: fewer than two estimates have springs: nothing is set side by side")
+    if as_json:
+        print_json({"files": [str(file) for file in files],
+                    "estimates": {name: results(folder / name) for name in runs}})  # fmt: skip
+    elif not quiet:
+        print("\n".join(["", *map(str, [*(folder / name for name in runs), *files])]))

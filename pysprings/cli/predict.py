@@ -312,8 +312,8 @@ def _from_all_sides(
 
 def _in_space(springs: AnySprings, read: Sequence, common: dict[str, Any]) -> xr.Dataset:
     """Return the states of a sequence in six degrees of freedom."""
+    from pysprings.macro.curve_table import CurveSprings
     from pysprings.macro.space import sequence_in_space
-    from pysprings.macro.user_curves import CurveSprings
 
     if isinstance(springs, CurveSprings):
         refuse("--sequence", "springs of a table answer one plane: columns H_N, M_Nm or u_m, rotation_rad")
@@ -341,7 +341,7 @@ def _at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
     """Return the springs at a rate [m/s]; as they are without one."""
     if rate is None:
         return springs
-    from pysprings.macro.user_curves import CurveSprings
+    from pysprings.macro.curve_table import CurveSprings
     from pysprings.springs.springs import Springs
 
     if isinstance(springs, CurveSprings):

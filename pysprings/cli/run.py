@@ -12,8 +12,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pysprings.cli.compiling import compile_first
-from pysprings.cli.estimates import chosen, ready_to_run, refuse_without_ranges, show_together
-from pysprings.cli.folders import record_stamp, refuse_other_run, result_folder
+from pysprings.cli.folders import (
+    chosen,
+    ready_to_run,
+    record_stamp,
+    refuse_other_run,
+    refuse_without_ranges,
+    result_folder,
+    show_together,
+)
 from pysprings.cli.options import (
     Changes,
     Estimates,

@@ -18,9 +18,9 @@ from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MOTIONS
 from pysprings.core.variables import known_torsion
 from pysprings.macro.answer import Care
+from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import Asking, impose, model_of, predict
-from pysprings.macro.user_curves import CurveSprings
 
 Array = NDArray[np.float64]
 

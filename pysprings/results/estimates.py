@@ -126,8 +126,8 @@ def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
 
 def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFrame) -> list[Path]:
     """Draw each path of all runs over each other, and write the page with these pictures and the table."""
+    from pysprings.results.plots.comparison import overlay
     from pysprings.results.plots.files import save
-    from pysprings.results.plots.two_runs import overlay
     from pysprings.results.report.page import Picture, page_html, picture_uri
 
     (folder / FIGURES).mkdir(exist_ok=True)

@@ -9,7 +9,7 @@ the data of its path. Those on given axes are `draw_paths`, `draw_py`, `draw_pro
 """
 
 from pysprings.results.parts import convergence_data, path_data, path_names, section_data
-from pysprings.results.plots.comparison import macro_against_full, memory_loops
+from pysprings.results.plots.comparison import macro_against_full, memory_loops, overlay
 from pysprings.results.plots.draw import PICTURES, draw
 from pysprings.results.plots.files import save, save_all
 from pysprings.results.plots.gap import gap_map, ovalisation
@@ -29,7 +29,6 @@ from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.profiles import draw_profile, draw_py, profiles, py_curves
 from pysprings.results.plots.rose import pressure_rose, shear_rose, stress_rose
 from pysprings.results.plots.section import mesh, section_displacement, section_pressure
-from pysprings.results.plots.two_runs import overlay
 
 __all__ = [
     "PICTURES",

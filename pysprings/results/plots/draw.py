@@ -18,7 +18,7 @@ from pysprings.core.text import suggestion
 from pysprings.macro.spring_sets import SPRING_SETS, with_stored
 from pysprings.results.exporters.base import Source
 from pysprings.results.parts import path_data, path_names, pick_step, section_data
-from pysprings.results.plots import caisson, comparison, gap, ground, load, newton, overview, profiles, rose, section
+from pysprings.results.plots import comparison, gap, ground, load, newton, overview, profiles, rose, section
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import drawn_on
 from pysprings.springs.path import paths_of
@@ -27,7 +27,7 @@ from pysprings.springs.springs import Springs
 PICTURES: Registry[Picture] = Registry(
     "picture",
     (
-        caisson.PICTURE,
+        ground.CAISSON,
         section.MESH,
         ground.PICTURE,
         overview.PICTURE,

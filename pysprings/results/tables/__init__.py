@@ -9,7 +9,7 @@ import os
 
 import xarray as xr
 
-from pysprings.macro.user_curves import CurveSprings
+from pysprings.macro.curve_table import CurveSprings
 
 
 def open_table(path: str | os.PathLike[str], skirt_length: float | None = None) -> xr.DataTree | CurveSprings:

@@ -19,8 +19,7 @@ from pysprings.core.tables import Column, Faults, Sheet, Table, tables_of
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
-from pysprings.macro.curve_table import MAX_NEGATIVE
-from pysprings.macro.user_curves import Curve, CurveSet, CurveSprings
+from pysprings.macro.curve_table import MAX_NEGATIVE, Curve, CurveSet, CurveSprings
 from pysprings.results.exporters.tables import ENDS, PAIRS, PY_COLUMNS, parse
 from pysprings.springs.checks import name_fault
 

@@ -19,7 +19,7 @@ from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene
 from pysprings.studies.atlas.families import Family
-from pysprings.studies.sweep.measures import DEPTHS
+from pysprings.studies.sweep.dataset import DEPTHS
 from pysprings.studies.sweep.plan import quantity
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from pysprings.results.parts import path_data
-from pysprings.results.plots.caisson import PICTURE
+from pysprings.results.plots.ground import CAISSON
 from pysprings.results.plots.picture import View
 from tests.support import synthetic, tiny
 
@@ -25,7 +25,7 @@ def view(factor: float) -> View:
 
 @pytest.mark.parametrize("factor", [1.03, 0.9])
 def test_load_height_and_error_of_the_springs(factor: float) -> None:
-    drawn = PICTURE.draw(view(factor))
+    drawn = CAISSON.draw(view(factor))
     left, right = drawn.axes
     assert {text.get_text() for text in left.texts} >= {"H at 6 m"}
     assert right.get_title(loc="left") == f"largest error of the springs in H: {100 * abs(factor - 1):.2g} %"
@@ -43,6 +43,6 @@ def test_springs_that_do_not_follow_the_whole_path_have_no_error_of_it() -> None
 
 def test_it_needs_a_scene_and_springs() -> None:
     whole = view(1.0)
-    assert PICTURE.applies(whole)
-    assert not PICTURE.applies(replace(whole, predictions={}))
-    assert not PICTURE.applies(replace(whole, result=xr.DataTree()))
+    assert CAISSON.applies(whole)
+    assert not CAISSON.applies(replace(whole, predictions={}))
+    assert not CAISSON.applies(replace(whole, result=xr.DataTree()))

@@ -16,7 +16,7 @@ import pysprings
 from pysprings.core.text import number
 from pysprings.results.folder import run_to_folder
 from pysprings.results.tables import open_table
-from pysprings.studies.sweep.measures import measure
+from pysprings.studies.sweep.dataset import measure
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.files import read_record

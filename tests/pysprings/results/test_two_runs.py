@@ -63,7 +63,7 @@ def test_a_run_beside_itself_and_what_is_no_run(folders: tuple[Path, Path], tmp_
 def test_the_picture_has_the_curves_of_both(folders: tuple[Path, Path], tmp_path: Path) -> None:
     from pysprings.core.storage import read_tree
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.plots.two_runs import overlay
+    from pysprings.results.plots.comparison import overlay
     from pysprings.results.two_runs import Run
     from pysprings.springs.path import paths_of
 

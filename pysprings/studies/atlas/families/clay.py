@@ -5,11 +5,16 @@ By dimensional analysis L/D, k D/su_m, the adhesion alpha and V decide on loads 
 skirt length, as functions of X = I_r rho/D: elastic perfectly plastic soil in total stress has no other scale of
 motion. V is over V_0 = 9 su_tip A + alpha su S, A the area of the base, S that of the outer skirt: roughly what the
 ground carries. The thickness of the skirt is a fixed share of D.
+
+With a gap the skirt comes off the soil outside, where the tension would be: one more input, as the gap opens where the
+total stress falls to the water pressure, so that gamma' D/su, su at half the skirt length, decides. Inside, under the
+lid and at the tip the contact holds (suction).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -111,3 +116,31 @@ FAMILY = Family(
     },
     odd=_odd,
 )  # fmt: skip
+
+_WEIGHT = "effective_unit_weight"
+
+
+def _read_gap(scene: Scene) -> Array:
+    weight = float(getattr(first_layer(scene), _WEIGHT)) * diameter(scene) / strength_at_half(scene)
+    return np.append(read(scene), weight)
+
+
+def _even_gap(values: Array) -> Array:
+    return np.concatenate([even(values[..., :-1]), np.log(values[..., -1:])], axis=-1)
+
+
+def _odd_gap(scene: Scene, base: Scene) -> Iterator[Problem]:
+    yield from FAMILY.odd(scene, base)
+    if not isinstance(getattr(first_layer(scene), _WEIGHT), float | int):
+        yield Problem(key=f"soil.layer.{_WEIGHT}", message="the atlas needs one unit weight at all depths")
+
+
+GAP_FAMILY = replace(
+    FAMILY,
+    name="clay-gap",
+    labels=(*FAMILY.labels, "gamma' D/su"),
+    read=_read_gap,
+    even=_even_gap,
+    short={**FAMILY.short, "gamma": f"soil.layer.clay.{_WEIGHT}"},
+    odd=_odd_gap,
+)

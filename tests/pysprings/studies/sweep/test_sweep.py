@@ -23,8 +23,7 @@ from pysprings.springs.checks import open_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
-from pysprings.studies.sweep.dataset import draw, table_of, write_table
-from pysprings.studies.sweep.measures import DEPTHS, SHARES, measure, remap
+from pysprings.studies.sweep.dataset import DEPTHS, SHARES, draw, measure, remap, table_of, write_table
 from pysprings.studies.sweep.plan import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
