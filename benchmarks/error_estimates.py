@@ -29,8 +29,7 @@ from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.core.storage import write_text
 from pysprings.full_model.accuracy import measures, two_mesh
-from pysprings.full_model.accuracy.curves import curves_of, samples
-from pysprings.full_model.accuracy.measures import cell_size
+from pysprings.full_model.accuracy.measures import cell_size, curves_of, samples
 from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_of
 from pysprings.full_model.accuracy.presets import read_mesh
 from pysprings.full_model.compute import scene_to_run

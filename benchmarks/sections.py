@@ -18,7 +18,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.full_model.accuracy import measures, own_estimate, two_mesh
-from pysprings.full_model.accuracy.curves import curves_of, samples
+from pysprings.full_model.accuracy.measures import curves_of, samples
 from pysprings.full_model.compute import compute
 from pysprings.model import fourier_mesh
 from pysprings.model.fourier_mesh import SectionCounts, ground_of_sections

@@ -101,7 +101,7 @@ def atlas(
 
     Errors of cases that are left out one by one, and of held-back pulls, are printed and stored in the file.
     """
-    from pysprings.studies.atlas import build, check
+    from pysprings.studies.atlas import build
     from pysprings.studies.atlas.model import family_of, write_atlas
 
     target = out or Path(f"{family}.nc")
@@ -116,7 +116,7 @@ def atlas(
 
         write_frame(compared, table)
     if compared is not None:
-        frames["Cases held back"] = check.summary(compared)
+        frames["Cases held back"] = build.summary(compared)
     if as_json:
         print_json(
             {"atlas": str(target), "about": dict(made.about)} | {k: f.to_dict("records") for k, f in frames.items()}
@@ -131,7 +131,7 @@ def atlas(
 
 
 def _shares(text: str | None) -> tuple[float, ...]:
-    from pysprings.studies.atlas.check import AT
+    from pysprings.studies.atlas.build import AT
 
     if text is None:
         return AT

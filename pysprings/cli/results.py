@@ -124,7 +124,7 @@ MOST_LINES = 12  # attempts that were given up
 
 def print_paths(record: RunRecord) -> None:
     """Print iterations, attempts given up and the contact around the rings by path, as the report has them."""
-    from pysprings.results.report.solution import convergence_table, cut_back_table, ring_table
+    from pysprings.results.report.validity import convergence_table, cut_back_table, ring_table
 
     lost = cut_back_table(record.paths)
     if lost is not None and len(lost.rows) > MOST_LINES:

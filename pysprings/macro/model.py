@@ -18,8 +18,7 @@ from pysprings.core.loads import close_loads
 from pysprings.core.text import number
 from pysprings.macro.curve_table import FAMILIES, CurveSprings, SpringTable
 from pysprings.macro.fan import FanTable, has_fan
-from pysprings.macro.response import Response
-from pysprings.macro.rows import RowSprings
+from pysprings.macro.response import Response, RowSprings
 from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
 from pysprings.macro.vertical import VerticalTable, build_vertical
 from pysprings.macro.ways import Control

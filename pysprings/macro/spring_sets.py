@@ -70,7 +70,7 @@ class SpringSet:
 
 def _rows(springs: Springs, path: str | None, companions: bool) -> Response:
     from pysprings.macro.curve_table import build_table
-    from pysprings.macro.rows import RowSprings
+    from pysprings.macro.response import RowSprings
 
     origin = springs.path(path)
     return RowSprings(build_table(origin, companions), origin, (origin.name,))
@@ -89,7 +89,7 @@ PY = SpringSet(
 
 def _build_pisa(springs: Springs, _path: str | None) -> Response:
     from pysprings.macro.curve_table import build_pisa
-    from pysprings.macro.rows import RowSprings
+    from pysprings.macro.response import RowSprings
 
     if springs.pure_paths is None:
         raise refused("springs", "the set 'pisa' needs a pure translation and a pure rotation to calibrate it")

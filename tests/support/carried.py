@@ -17,7 +17,7 @@ from fe_engine.settings import Recycling, Settings
 from fe_engine.soil import plasol
 from fe_engine.solve.newton import Newton
 from pysprings import Scene
-from pysprings.full_model.path_run import PathRun
+from pysprings.full_model.paths import PathRun
 from pysprings.full_model.run_record import COMPLETE
 from pysprings.full_model.work import Work
 from pysprings.model.build import Built, build_model, build_on

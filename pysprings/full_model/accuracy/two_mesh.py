@@ -23,17 +23,17 @@ import xarray as xr
 
 from pysprings.core.text import percent
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import (
+from pysprings.full_model.accuracy.measures import (
     LOAD,
     OTHER,
     PY,
     STIFFNESS,
+    cell_size,
     curves_of,
     first_secant,
     off_plane_error,
     samples,
 )
-from pysprings.full_model.accuracy.measures import cell_size
 from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURIER
 from pysprings.springs.path import paths_of, space_paths_of
 

@@ -14,8 +14,7 @@ from pysprings.results.plots.draw import PICTURES, draw
 from pysprings.results.plots.files import save, save_all
 from pysprings.results.plots.gap import gap_map, ovalisation
 from pysprings.results.plots.ground import ground_profile
-from pysprings.results.plots.load import load_displacement, vertical_springs
-from pysprings.results.plots.newton import newton_record
+from pysprings.results.plots.load import load_displacement, newton_record, vertical_springs
 from pysprings.results.plots.overview import (
     draw_paths,
     draw_secant,

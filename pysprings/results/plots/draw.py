@@ -18,7 +18,7 @@ from pysprings.core.text import suggestion
 from pysprings.macro.spring_sets import SPRING_SETS, with_stored
 from pysprings.results.exporters.base import Source
 from pysprings.results.parts import path_data, path_names, pick_step, section_data
-from pysprings.results.plots import comparison, gap, ground, load, newton, overview, profiles, rose, section
+from pysprings.results.plots import comparison, gap, ground, load, overview, profiles, rose, section
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import drawn_on
 from pysprings.springs.path import paths_of
@@ -46,7 +46,7 @@ PICTURES: Registry[Picture] = Registry(
         section.DISPLACEMENT,
         rose.PORE_PRESSURE,
         section.PRESSURE,
-        newton.PICTURE,
+        load.NEWTON,
     ),
 )
 

@@ -39,7 +39,7 @@ from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import Drawn, open_result, picture_kind, pictures_in, stands_for
 from pysprings.results.parts import converged
-from pysprings.results.report import inputs, load_cases, solution, validity
+from pysprings.results.report import inputs, load_cases, validity
 from pysprings.results.report.inputs import ReportData, ReportTable, Section
 from pysprings.results.report.load_cases import read_answers
 from pysprings.springs.path import paths_of
@@ -322,22 +322,22 @@ REPORT_TABLES: Registry[ReportTable] = Registry(
         load_cases.CASES,
         load_cases.STIFFNESS,
         load_cases.SPRINGS,
-        solution.END,
-        solution.TILT,
+        validity.END,
+        validity.TILT,
         validity.COMPARISON,
         inputs.INPUTS,
         inputs.DEFAULTS,
         inputs.OMISSIONS,
         inputs.SETTINGS,
         inputs.MESH,
-        solution.CONVERGENCE,
-        solution.CUT_BACKS,
+        validity.CONVERGENCE,
+        validity.CUT_BACKS,
         validity.EQUILIBRIUM,
-        solution.RINGS,
+        validity.RINGS,
         validity.WATER,
         validity.ENERGY,
         validity.ESTIMATE,
-        solution.GAPS,
+        validity.GAPS,
         validity.COST,
     ),
 )

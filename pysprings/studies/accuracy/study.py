@@ -203,7 +203,7 @@ def _machine() -> str:
 
 def _write(out: Path, scene: Scene, outcome: StudyResult, formats: Sequence[str]) -> None:
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.accuracy.picture import error_against_time
+    from pysprings.studies.accuracy.rows import error_against_time
 
     write_text(outcome.table.to_csv(index=False, lineterminator="\n"), out / "accuracy.csv")
     write_text(json_text(to_json(scene, outcome), indent=1) + "\n", out / "accuracy.json")

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import (
+from pysprings.full_model.accuracy.measures import (
     LOAD,
     OTHER,
     POINTS,
@@ -16,22 +16,25 @@ from pysprings.full_model.accuracy.curves import (
     PY,
     STIFFNESS,
     Sample,
+    cell_size,
     common_grid,
     curves_of,
     driver_of,
+    errors,
+    extrapolate,
     first_secant,
     initial_stiffness,
     leading,
     load_of,
+    order_from,
     other_of,
     pressure_of,
     sampled,
     samples,
     slice_curves,
 )
-from pysprings.full_model.accuracy.measures import cell_size, errors, extrapolate, order_from
 from pysprings.springs.path import paths_of
-from pysprings.studies.accuracy.picture import front
+from pysprings.studies.accuracy.rows import front
 from tests.support.measured import LENGTH, PATHS, measured_result
 from tests.support.synthetic import Caisson
 

@@ -14,8 +14,7 @@ from pysprings import Scene
 from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import target, two_mesh
-from pysprings.full_model.accuracy.curves import SLICES
-from pysprings.full_model.accuracy.measures import cell_size
+from pysprings.full_model.accuracy.measures import SLICES, cell_size
 from pysprings.full_model.accuracy.own_estimate import SHARE, companions_of, estimates_by_default, with_estimate
 from pysprings.full_model.accuracy.presets import BETWEEN, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run

@@ -10,7 +10,7 @@ import pytest
 
 from fe_engine.soil.elastic import elastic_tangent, moduli
 from pysprings.core.words import Diagnosis, StopReason
-from pysprings.full_model import diagnosis, path_run
+from pysprings.full_model import diagnosis, paths
 from pysprings.full_model.compute import compute
 from pysprings.full_model.diagnosis import during_dead_load
 from tests.support import tiny
@@ -77,7 +77,7 @@ def test_a_path_that_did_not_begin_is_at_no_limit_load(
 ) -> None:
     """No capacity may be taken from it: neither from a load of no size nor from that of a dead load on its way."""
     limit = Diagnosis(StopReason.LIMIT_LOAD, "no motion balances any more")
-    monkeypatch.setattr(path_run, "diagnose", lambda *_: limit)
+    monkeypatch.setattr(paths, "diagnose", lambda *_: limit)
     result = compute(tiny.scene(**changes))
     (line,) = result.record.failures
     assert re.search(words, line), line

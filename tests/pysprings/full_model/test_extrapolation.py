@@ -21,7 +21,7 @@ from pysprings.full_model.accuracy import own_estimate, target, two_mesh
 from pysprings.full_model.compute import RunOptions, Sink, compute, run_into
 from pysprings.full_model.run_record import Computed, RunRecord
 from pysprings.results.folder import run_to_folder, run_to_target
-from pysprings.results.report import solution
+from pysprings.results.report import validity
 from pysprings.results.report.inputs import ReportData
 from pysprings.results.summary import summary
 from pysprings.scene.template import template_text
@@ -72,7 +72,7 @@ def test_summary_and_report_have_the_extrapolated_loads() -> None:
     better, of_mesh = (paths_of(tree, of_mesh=each)["pull"]["M"][-1].item() for each in (False, True))
     assert f"{1e-6 * better:.4g}" != f"{1e-6 * of_mesh:.4g}"
     assert f"M {1e-6 * better:.4g} MN m (path pull" in summary(tree, record)["loads"]
-    ends = solution.end_table(ReportData(tree).paths)
+    ends = validity.end_table(ReportData(tree).paths)
     assert ends is not None and ends.rows[0][8] == number(1e-3 * better, 4)
 
 

@@ -26,7 +26,7 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
-from pysprings.full_model import cavitation, checkpoint, path_run, work
+from pysprings.full_model import cavitation, checkpoint, paths, work
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.full_model.work import differences
@@ -134,7 +134,7 @@ def test_there_is_one_checkpoint_a_minute_and_what_came_after_it_is_computed_aga
 ) -> None:
     """Of steps of 25 s every third is kept; a path that has ended is kept as a whole."""
     now, written, save = [0.0], [], Checkpoints.save_path
-    monkeypatch.setattr(path_run, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(paths, "time", SimpleNamespace(monotonic=lambda: now[0]))
     monkeypatch.setattr(Checkpoints, "save_path", lambda *args: (written.append(now[0]), save(*args)))
     stop = Stop(9, Killed)
 

@@ -15,12 +15,11 @@ from fe_engine.state import State
 from pysprings import Scene, extract_springs
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import LOADS, MOTIONS
-from pysprings.full_model.accuracy.curves import off_plane_error
+from pysprings.full_model.accuracy.measures import off_plane_error
 from pysprings.full_model.accuracy.own_estimate import companions_of, with_estimate
 from pysprings.full_model.compute import compute
 from pysprings.full_model.diagnosis import DisplacementLimit
-from pysprings.full_model.path_run import PathRun
-from pysprings.full_model.paths import _take, largest_motion
+from pysprings.full_model.paths import PathRun, _take, largest_motion
 from pysprings.full_model.work import prepare
 from pysprings.model.stages import path_stages
 from pysprings.results.exporters.tables import load_displacement

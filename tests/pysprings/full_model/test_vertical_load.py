@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from pysprings import Scene
-from pysprings.full_model import path_run
+from pysprings.full_model import paths
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import LimitLoad
 from tests.support import tiny
@@ -106,7 +106,7 @@ def test_pull_out_ends_as_a_limit_load_at_its_first_failed_attempt(monkeypatch: 
     limit = LimitLoad(**record["limit_load"])
     assert limit.is_vertical and str(limit).startswith("V = -18")
     assert abs(ended["w"][-1]) < 10e-3
-    monkeypatch.setattr(path_run, "FLAT", -np.inf)
+    monkeypatch.setattr(paths, "FLAT", -np.inf)
     whole, record = ran(given)
     assert record["status"] == "complete" and float(whole["w"][-1]) == pytest.approx(-10e-3)
     assert float(whole["V"].min()) == pytest.approx(float(ended["V"].min()), rel=5e-3)

@@ -16,9 +16,8 @@ from pysprings.macro.predict import MacroWarning, impose, predict
 from pysprings.macro.stiffness import stiffness_six
 from pysprings.memory.elements import PLATES
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.linear import linear_errors, secants
 from pysprings.results.exporters.soildyn.library import COMPILERS, build, library_input, library_name
-from pysprings.results.exporters.subdyn import labels
+from pysprings.results.exporters.subdyn import labels, linear_errors, secants
 from pysprings.results.tables import open_table
 from pysprings.springs.springs import Springs
 from tests.support import openfast, subdyn, synthetic, winkler, written

@@ -21,7 +21,7 @@ from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.macro.comparison import compare
 from pysprings.results import axes
-from pysprings.results.report import inputs, solution, validity
+from pysprings.results.report import inputs, validity
 from pysprings.results.report import page as report
 from pysprings.results.report.inputs import ReportData, ReportTable
 from pysprings.results.report.load_cases import spring_tables
@@ -270,7 +270,7 @@ def test_loads_at_a_tilt_are_interpolated_and_a_tilt_not_reached_is_a_dash(resul
     n = path.sizes["step"]
     path["rotation"][:] = -np.radians(np.linspace(0.0, 0.4, n))
     path["H"][:] = np.linspace(0.0, 8e6, n)
-    table = solution.tilt_table(ReportData(tree).paths)
+    table = validity.tilt_table(ReportData(tree).paths)
     assert table is not None and [row[0] for row in table.rows] == ["pull"]
     assert list(table.rows[0][2:4]) == ["0.4", "5000"] and list(table.rows[0][5:]) == ["-", "-"]
 

@@ -117,7 +117,7 @@ def test_pushing_down_and_pulling_out_differ(point: Point, springs: xr.DataTree)
 
 
 def test_stiffness_at_rest_is_that_of_the_matrices(point: Point, springs: xr.DataTree) -> None:
-    from pysprings.results.exporters.linear import at_lid
+    from pysprings.results.exporters.subdyn import at_lid
     from pysprings.springs.springs import Springs
 
     K = at_lid(Springs.of(springs))

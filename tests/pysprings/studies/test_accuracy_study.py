@@ -21,7 +21,7 @@ from pysprings.model.forecast.resources import size_of
 from pysprings.springs.checks import RESULT
 from pysprings.springs.path import paths_of
 from pysprings.studies.accuracy import rows, runs, study
-from pysprings.studies.accuracy.picture import error_against_time
+from pysprings.studies.accuracy.rows import error_against_time
 from pysprings.studies.stored_runs import RUNS, Whole
 from tests.support import tiny
 from tests.support.commands import command

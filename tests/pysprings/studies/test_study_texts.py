@@ -13,15 +13,13 @@ import xarray as xr
 
 from pysprings.cli import accuracy
 from pysprings.core import version
-from pysprings.full_model.accuracy.curves import LOAD, OTHER, PY
-from pysprings.full_model.accuracy.measures import MEASURES, Reference
+from pysprings.full_model.accuracy.measures import LOAD, MEASURES, OTHER, PY, Reference
 from pysprings.full_model.accuracy.presets import settings
 from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.sections import PAPER_PATH
 from pysprings.studies import stability
 from pysprings.studies.accuracy import study
-from pysprings.studies.accuracy.picture import error_against_time
-from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
+from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, error_against_time
 from pysprings.studies.accuracy.study import to_markdown
 from pysprings.studies.stability import OUTCOMES, Outcome, catalogue, summary
 from tests.support import stored, synthetic, tiny

@@ -11,8 +11,7 @@ from functools import cache
 import numpy as np
 
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.curves import LOAD, OTHER, curves_of, samples
-from pysprings.full_model.accuracy.measures import Reference, cell_size
+from pysprings.full_model.accuracy.measures import LOAD, OTHER, Reference, cell_size, curves_of, samples
 from pysprings.full_model.accuracy.presets import QUICK_SERIES, read_mesh
 from pysprings.full_model.compute import compute
 from pysprings.scene.sections import PAPER
