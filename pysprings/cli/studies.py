@@ -31,12 +31,12 @@ def accuracy(
 
     Runs that have ended in DIR are not run again; interrupted ones go on.
     """
-    from pysprings.cli import accuracy as cli_accuracy
+    from pysprings.cli.study_runs import run_accuracy
     from pysprings.scene.load import load_scene
 
     folder = out or Path("out") / f"accuracy-{scene.stem}"
     formats = formats_of(figures, no_figures, figure_format)
-    cli_accuracy.run(load_scene(scene), folder, mesh or [], quick, force, formats, as_json)
+    run_accuracy(load_scene(scene), folder, mesh or [], quick, force, formats, as_json)
 
 
 def stability(
@@ -61,11 +61,11 @@ def stability(
 
     Ends with exit code 3 where a case stops without a named reason.
     """
-    from pysprings.cli import stability as cli_stability
+    from pysprings.cli.study_runs import run_stability
 
     far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]
     assert far is not None
     formats = formats_of(figures, no_figures, figure_format)
-    unexplained = cli_stability.run(case or [], mesh or "coarse", refinement, far, out, formats, as_json, jobs)
+    unexplained = run_stability(case or [], mesh or "coarse", refinement, far, out, formats, as_json, jobs)
     if unexplained:
         raise RunIncomplete(f"{unexplained} cases ended without a named reason")
