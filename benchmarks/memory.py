@@ -30,8 +30,7 @@ from pysprings.memory.elements import REVERSIBLE, STATES
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.offered import candidates
 from pysprings.memory.shares import samples
-from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs, open_springs, save_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tools.evidence_store import store, to_csv

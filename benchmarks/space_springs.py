@@ -30,8 +30,7 @@ from pysprings.memory.space_model import SpaceSprings
 from pysprings.model.fourier import build_fourier
 from pysprings.scene.load import load_scene
 from pysprings.scene.sections import PAPER, PAPER_SOIL
-from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs, open_springs, save_springs
 from tools.evidence_store import store, to_csv
 
 COMMAND = "python -m benchmarks.space_springs DIR --store"

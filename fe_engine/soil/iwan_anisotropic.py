@@ -19,8 +19,7 @@ import numpy as np
 from fe_engine.compiled import njit
 from fe_engine.conventions import OK, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import overlay
-from fe_engine.soil.anisotropic import add_deviator, add_flow, coordinates, returned
-from fe_engine.soil.anisotropic import surface as ellipsoid
+from fe_engine.soil.anisotropic import add_deviator, add_flow, coordinates, returned, surface as ellipsoid
 from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.soil.law import SoilLaw
 from fe_engine.soil.overlay import BULK, ELEMENTS, FIRST, KAPPA, RADIUS, SHEAR

@@ -84,7 +84,7 @@ def read_springs(result: Path) -> xr.DataTree:
     tree = read_tree(path)
     if "section" in tree.children and "scene_toml" in tree.attrs:
         from pysprings.results.layout import open_result
-        from pysprings.springs.extract import extract_springs
+        from pysprings.springs.checks import extract_springs
 
         return extract_springs(open_result(path))
     validate_springs(tree, file=path)

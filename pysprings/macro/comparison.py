@@ -228,7 +228,7 @@ def _states(comparison: Comparison) -> Iterator[pd.DataFrame]:
 def _springs_of(model: Springs | xr.DataTree) -> Springs:
     if isinstance(model, Springs) or model.attrs.get("schema") == SCHEMA:
         return Springs.of(model)
-    from pysprings.springs.extract import extract_springs  # only a full result needs it
+    from pysprings.springs.checks import extract_springs  # only a full result needs it
 
     return Springs.of(extract_springs(model))
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine.elements import fourier as elements
-from fe_engine.elements import interface, rigid
+from fe_engine.elements import fourier as elements, interface, rigid
 from fe_engine.errors import MeshError
 from fe_engine.fourier_model import FourierModel, RingStations, SectionMesh
 from fe_engine.mesh import Quality

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fe_engine.elements import biot, interface
-from fe_engine.elements import fourier as elements
+from fe_engine.elements import biot, fourier as elements, interface
 from fe_engine.elements.interface import Film, Stations
 from fe_engine.fourier_model import RingFilm, RingStations, SectionMesh, SeriesWater
 from fe_engine.mesh import Mesh

@@ -33,7 +33,7 @@ class Accessor:
     def springs(self) -> Springs:
         """The springs with typed attributes; made from the result where the tree is one."""
         from pysprings.results.plots.draw import is_result
-        from pysprings.springs.extract import extract_springs
+        from pysprings.springs.checks import extract_springs
 
         return Springs.of(extract_springs(self._tree) if is_result(self._tree) else self._tree)
 

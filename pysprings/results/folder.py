@@ -31,8 +31,7 @@ from pysprings.results.exporters.csv import write_frame, write_load_displacement
 from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
 from pysprings.results.report.page import write_report
 from pysprings.results.summary import summary
-from pysprings.springs.checks import save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs, save_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 

@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
+from pysprings.scene.by_depth import incomplete, picked, ranges_in, take_estimate
 from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design, take_cases
@@ -25,7 +26,6 @@ from pysprings.scene.fields import FROM_TOML
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 from pysprings.scene.profile_table import key_of, read_layers
-from pysprings.scene.ranges import incomplete, picked, ranges_in, take_estimate
 from pysprings.scene.sections import (
     Caisson,
     Domain,

@@ -35,9 +35,8 @@ from pysprings.core.tables.files import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import quoted, show, si_of
 from pysprings.core.words import ESTIMATES
-from pysprings.scene.by_depth import Profile
+from pysprings.scene.by_depth import Profile, is_range, picked
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
-from pysprings.scene.ranges import is_range, picked
 from pysprings.scene.sections import BY_LAYER, Layer
 from pysprings.scene.soils import SOIL_LAWS
 

@@ -37,7 +37,7 @@ def scene_schema() -> dict[str, Any]:
 def _table(model: type[Section]) -> dict[str, Any]:
     """Return the schema of one table."""
     from pysprings.scene import fields, sections, toml
-    from pysprings.scene.ranges import ESTIMATE
+    from pysprings.scene.by_depth import ESTIMATE
 
     properties = {}
     for name, info in model.model_fields.items():
@@ -58,7 +58,7 @@ def _table(model: type[Section]) -> dict[str, Any]:
 
 def _with_ranges(schema: dict[str, Any]) -> dict[str, Any]:
     """Return the schema with a range in place of each value of the soil, too."""
-    from pysprings.scene.ranges import in_schema
+    from pysprings.scene.by_depth import in_schema
     from pysprings.scene.sections import BY_LAYER
 
     soil = schema["properties"]["soil"]["properties"]

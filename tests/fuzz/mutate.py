@@ -4,8 +4,7 @@
 import os
 from collections.abc import Sequence
 
-from hypothesis import HealthCheck, Phase, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, Phase, settings, strategies as st
 
 Op = tuple[str, int, int]
 

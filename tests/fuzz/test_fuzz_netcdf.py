@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tests.fuzz.judge import run
 from tests.fuzz.mutate import QUICK, Op, budget

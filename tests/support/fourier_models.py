@@ -7,8 +7,7 @@ import numpy as np
 
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.contact import coulomb
-from fe_engine.elements import fourier as elements
-from fe_engine.elements import rigid
+from fe_engine.elements import fourier as elements, rigid
 from fe_engine.elements.interface import local_frames
 from fe_engine.fourier_model import FourierModel, LinearRings, RingFilm, RingStations, SectionMesh, SeriesWater
 from fe_engine.settings import Settings

@@ -9,8 +9,7 @@ import numpy as np
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.assembly.system import System
 from fe_engine.contact import adhesion
-from fe_engine.elements import fourier as elements
-from fe_engine.elements import rigid
+from fe_engine.elements import fourier as elements, rigid
 from fe_engine.elements.interface import Stations, local_frames, nodal_stations
 from fe_engine.fourier_model import FourierModel, RingStations
 from fe_engine.linear.solver import LinearSolver

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from pysprings.core.written import own_folder
 from pysprings.results import plots
 from pysprings.results.parts import path_data, section_data
-from validation.paper import curves as drawn
-from validation.paper import measures
+from validation.paper import curves as drawn, measures
 from validation.paper.cases import DEPTHS, END, PATH, SHOWN
 from validation.paper.idealisations import BESIDE
 

@@ -21,9 +21,7 @@ from fe_engine.assembly.fourier_pattern import held_coefficients, held_pressures
 from fe_engine.assembly.harmonic_factors import LANES
 from fe_engine.elements.fourier import numbers
 from fe_engine.errors import MeshError
-from fe_engine.memory import address_space
-from fe_engine.memory import left as memory_left
-from fe_engine.memory import limit as memory_limit
+from fe_engine.memory import address_space, left as memory_left, limit as memory_limit
 from pysprings.core.errors import ResourceError, refused
 from pysprings.core.workers import cores, in_worker
 from pysprings.model.build import counts_of, geometry_of

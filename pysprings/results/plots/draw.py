@@ -60,7 +60,7 @@ class _Predictions(Mapping[str, xr.Dataset]):
 
     @cached_property
     def answers(self) -> Mapping[str, xr.Dataset]:
-        from pysprings.springs.extract import extract_springs
+        from pysprings.springs.checks import extract_springs
 
         springs = with_stored(extract_springs(self.tree)) if is_result(self.tree) else self.tree
         return Source(springs).predictions.get(self.path, {})

@@ -25,8 +25,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field as Named
-from pydantic import ValidationError
+from pydantic import Field as Named, ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import suggestion

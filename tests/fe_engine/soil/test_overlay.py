@@ -3,8 +3,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from fe_engine.conventions import OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import iwan_clay, iwan_sand, overlay, von_mises

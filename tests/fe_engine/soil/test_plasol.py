@@ -20,9 +20,9 @@ from tests.support.soil_points import (
     invariants,
     make,
     slope_of,
+    trial_excess as excess_of,
     update_by,
 )
-from tests.support.soil_points import trial_excess as excess_of
 
 
 def update(p, strain, stress=START, kappa=0.0, update=plasol.update) -> Answer:

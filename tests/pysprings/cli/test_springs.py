@@ -8,8 +8,7 @@ import pytest
 
 from pysprings.core.storage import write_tree
 from pysprings.macro.comparison import compare
-from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs, open_springs, save_springs
 from tests.support import tiny
 from tests.support.commands import command
 

@@ -4,8 +4,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from pysprings.core import units
 from pysprings.core.units import MEANING, QuantityError, quoted, read, show, si_of

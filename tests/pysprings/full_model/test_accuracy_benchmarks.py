@@ -13,8 +13,7 @@ from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.run_record import Computed, RunRecord, Status
 from tests.support import tiny
-from tests.support.synthetic import Path as Pull
-from tests.support.synthetic import make_result
+from tests.support.synthetic import Path as Pull, make_result
 
 
 def run(unknowns: int, wall: float, unit: float) -> RunRecord:

@@ -13,7 +13,7 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.fourier import build
 from pysprings.scene.template import template_text
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 

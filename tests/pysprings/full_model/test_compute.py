@@ -19,7 +19,7 @@ from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.comparison import compare
 from pysprings.results.parts import settings
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import tiny

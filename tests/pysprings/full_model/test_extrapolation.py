@@ -25,7 +25,7 @@ from pysprings.results.report import validity
 from pysprings.results.report.inputs import ReportData
 from pysprings.results.summary import summary
 from pysprings.scene.template import template_text
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 from tests.support import tiny

@@ -25,7 +25,7 @@ from pysprings.model.fourier import build_fourier, build_on_section, section_cou
 from pysprings.model.stages import path_stages
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import PAPER
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 from tests.support.commands import command

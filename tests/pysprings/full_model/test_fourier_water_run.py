@@ -24,7 +24,7 @@ from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import PAPER
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 

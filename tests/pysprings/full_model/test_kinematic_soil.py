@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pysprings.full_model.compute import compute
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 

@@ -14,7 +14,7 @@ from pysprings.full_model.compute import compute
 from pysprings.full_model.work import make_engine
 from pysprings.model.fourier import build
 from pysprings.scene.sections import PAPER
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 

@@ -29,8 +29,7 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_answer import largest_vertical
-from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs, open_springs, save_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import NUMBERS
 from pysprings.springs.springs import Springs

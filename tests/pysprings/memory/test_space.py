@@ -36,8 +36,7 @@ from pysprings.memory.shares import samples
 from pysprings.memory.space import calibrate_in_space, torsion_elements, way_out
 from pysprings.memory.space_model import SpaceSprings, SpaceStepper
 from pysprings.results.tables.sequence import read_sequence
-from pysprings.springs.checks import RESULT, open_springs, save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import RESULT, extract_springs, open_springs, save_springs
 from pysprings.springs.path import SPACE_TURNS
 from pysprings.springs.springs import Springs
 from tests.support import space_paths

@@ -15,8 +15,7 @@ from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict, sequence
 from pysprings.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
-from pysprings.memory.mixture import ChangingLoad
-from pysprings.memory.mixture import mixed as together
+from pysprings.memory.mixture import ChangingLoad, mixed as together
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.shares import elastic_motions
 from pysprings.memory.stepper import MemoryStepper

@@ -18,8 +18,7 @@ from fe_engine.solve.stepping import Driver
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.core.variables import TORSION
-from pysprings.full_model import compute
-from pysprings.full_model import work as work_module
+from pysprings.full_model import compute, work as work_module
 from pysprings.full_model.work import make_engine, prepare
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import BuiltFourier, build_fourier

@@ -14,8 +14,7 @@ from pysprings.full_model.compute import compute
 from pysprings.macro.predict import predict
 from pysprings.model.build import build_model
 from pysprings.springs import checks
-from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs, open_springs, save_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 from tests.support import tiny

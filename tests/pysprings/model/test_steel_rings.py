@@ -20,7 +20,7 @@ from pysprings.model.forecast import resources
 from pysprings.model.forecast.estimate import describe
 from pysprings.model.fourier import build, build_fourier
 from pysprings.model.stages import path_stages
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
 from tests.support import tiny

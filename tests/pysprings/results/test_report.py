@@ -21,8 +21,7 @@ from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.macro.comparison import compare
 from pysprings.results import axes
-from pysprings.results.report import inputs, validity
-from pysprings.results.report import page as report
+from pysprings.results.report import inputs, page as report, validity
 from pysprings.results.report.inputs import ReportData, ReportTable
 from pysprings.results.report.load_cases import spring_tables
 from pysprings.results.report.page import REPORT_TABLES, live_parts

@@ -14,10 +14,8 @@ import xarray as xr
 
 from pysprings.macro.comparison import compare
 from pysprings.results.exporters.tables import LOAD_DISPLACEMENT, PY_COLUMNS
-from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.extract import extract_springs
-from tests.support import raw_caisson as rc
-from tests.support import written
+from pysprings.springs.checks import extract_springs, open_springs, save_springs
+from tests.support import raw_caisson as rc, written
 from tests.support.raw_caisson import GROWTH, LENGTH, PATHS, STEPS, raw
 
 WORDS = {"outside": ("outside",), "inside": ("inside",), "net": ("outside", "inside")}

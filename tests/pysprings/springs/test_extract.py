@@ -8,8 +8,7 @@ import xarray as xr
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.macro.predict import predict
-from pysprings.springs.checks import SCHEMA
-from pysprings.springs.extract import extract_springs
+from pysprings.springs.checks import SCHEMA, extract_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance

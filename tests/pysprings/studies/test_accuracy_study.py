@@ -26,8 +26,7 @@ from pysprings.studies.stored_runs import RUNS, Whole
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.files import read_record
-from tests.support.synthetic import Path as Pull
-from tests.support.synthetic import make_result, make_springs
+from tests.support.synthetic import Path as Pull, make_result, make_springs
 
 MESHES = ["coarse:0.75", "coarse", "coarse:1.35"]
 ORDER, SLOPE = 2.0, 60.0

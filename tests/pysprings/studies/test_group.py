@@ -13,8 +13,7 @@ from pysprings.springs.checks import save_springs
 from pysprings.studies.group import Group, answer_group, read_group
 from tests.support.commands import command
 from tests.support.fans import fan_springs, linear, potential
-from tests.support.vertical import K as K_VERTICAL
-from tests.support.vertical import vertical_springs
+from tests.support.vertical import K as K_VERTICAL, vertical_springs
 
 SQUARE = Group(("A", "B", "C", "D"), np.array([[8.0, 8.0], [-8.0, 8.0], [-8.0, -8.0], [8.0, -8.0]]))
 TRIANGLE = Group(("A", "B", "C"), np.array([[10.0, 0.0], [-5.0, 8.66], [-5.0, -8.66]]))

@@ -25,8 +25,7 @@ from pysprings.studies.stability import OUTCOMES, Outcome, catalogue, summary
 from tests.support import stored, synthetic, tiny
 from tests.support.drawn import describe, number
 from tests.support.files import Outline
-from validation.paper import claims, figures, idealisations, page, sensitivity, text
-from validation.paper import runs as paper_runs
+from validation.paper import claims, figures, idealisations, page, runs as paper_runs, sensitivity, text
 from validation.paper.cases import CASES, VARIANTS, Variant
 
 TEXTS = File(__file__).parent / "texts"

@@ -26,8 +26,7 @@ from fe_engine.elements.interface import nodal_stations
 from fe_engine.material import Material
 from fe_engine.mesh import Mesh
 from fe_engine.model import Model
-from fe_engine.soil import plasol
-from fe_engine.soil import sand as by_density
+from fe_engine.soil import plasol, sand as by_density
 from tests.verification.blocks import (
     POISSON,
     YOUNG,
