@@ -234,23 +234,17 @@ _SPACE_PATH = {name: _AXES[name] for name in ("depth", "depth_bounds", "side")} 
     V("M_y", "moment on the caisson about y", "N m", ("step",), _RIGHT + ", about the lid centre at mudline"),
     V("T", "torsion on the caisson", "N m", ("step",), "about z up, at the axis of the caisson"),
     _BODY["converged"],
-    V("time", "time", "s", ("step",)),
+    _RESULT_PATH["time"],
     V("azimuth", "angle around the caisson", "radian", ("azimuth",), "from +x towards +y", required=False),
     *(V(f"p_{axis}", f"lateral soil reaction along {axis} per metre of depth", "N m-1", ("depth", "side", "step"),
         _OPPOSES, {"cell_methods": "depth: mean"}) for axis in "xy"),
-    V("t", "vertical soil reaction per metre of depth", "N m-1", ("depth", "side", "step"),
-      "positive when the caisson pulls the soil down; initial shear included", {"cell_methods": "depth: mean"}),
+    _RESULT_PATH["t"],
     V("torque", "soil reaction to torsion per metre of depth", "N m m-1", ("depth", "side", "step"), _OPPOSES,
       {"cell_methods": "depth: mean"}),
-    V("normal_effective_stress", "effective normal stress on the skirt", "Pa", _FIELD,
-      "compression positive; undrained clay: total stress over hydrostatic, suction < 0", required=False),
+    _RESULT_PATH["normal_effective_stress"],
     V("shear_around", "traction of the caisson on the soil around the skirt", "Pa", _FIELD,
       "positive along a growing azimuth", required=False),
-    V("shear_vertical", "vertical (z) traction of the caisson on the soil", "Pa", _FIELD, "positive down",
-      required=False),
-    V("pore_pressure", "excess pore pressure in the interface", "Pa", _FIELD,
-      "compression positive, over hydrostatic", required=False),
-    V("gap", "opening between soil and skirt", "m", _FIELD, "zero or positive", required=False),
+    *(_RESULT_PATH[name] for name in ("shear_vertical", "pore_pressure", "gap")),
 )
 
 _SECTION = _table(
@@ -298,8 +292,8 @@ _SPRINGS_PATH = (
         *_slices(),
         *_TIP,
         *_LID,
-        V("time", "time", "s", ("step",), required=False),
-        replace(_RESULT_PATH["cavitation_margin"], required=False),
+        replace(_RESULT_PATH["time"], required=False),
+        _RESULT_PATH["cavitation_margin"],
     )
 )
 

@@ -209,13 +209,11 @@ def _silent(*_: object) -> None:
     """Report nothing."""
 
 
-def run_tasks(
-    tasks: Sequence[Task], jobs: int, done: Callable[[Task, Any], object], note: Callable[[str], object] = _silent
-) -> None:
+def run_tasks(tasks: Sequence[Task], jobs: int, done: Callable[[Task, Any], object]) -> None:
     """Run tasks in worker processes, or one after the other in this process (1); see `Workers.run`."""
     if jobs > 1 and len(tasks) > 1:
         with Workers(jobs) as workers:
-            workers.run(tasks, done, _silent, note)
+            workers.run(tasks, done, _silent, _silent)
         return
     for task in tasks:
         try:

@@ -70,14 +70,14 @@ class SpaceWay:
     weights: Array
 
 
-def way_out(path: SpacePath, radius: float, reach: float, weight: float = WEIGHT) -> SpaceWay:
+def way_out(path: SpacePath, radius: float, reach: float) -> SpaceWay:
     """Return the way of a path that leaves the plane, at even distances and close behind its turns."""
     motions, loads = path.motions(radius), path.loads(radius)
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(motions, axis=0), axis=1))])
     at = places(motions, way, PER_REACH * reach)
     motions, loads = (np.stack([np.interp(at, way, each) for each in values.T], axis=1) for values in (motions, loads))
     size = np.linalg.norm(loads, axis=1)
-    weights = weight / np.sqrt(len(at)) / np.maximum(size, FLOOR * size.max())
+    weights = WEIGHT / np.sqrt(len(at)) / np.maximum(size, FLOOR * size.max())
     return SpaceWay(path.name, path.kind, motions, loads, weights)
 
 
