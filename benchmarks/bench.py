@@ -4,19 +4,15 @@
 units    the paper's pull, drained, on `paper`: wall time in units of one factorisation and solve of its own tangent
 growth   unit, wall time and memory against unknowns, drained and coupled, with fitted exponents
 fine     the same pull on at least 100,000 nodes
-solvers  factors of its own for every tangent, or those of earlier ones, by mesh
 
 Every run is a process of its own with warm caches; pictures are left out. Seconds depend on the machine, and on what
 else it does; the ratios less so.
 """
 
 import argparse
-import multiprocessing
 import os
 import tempfile
-import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +26,6 @@ GROWTH = {
     "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper", "fine:1.02"),
     "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
 }
-SOLVERS = ("coarse:0.6", "coarse:0.7", "coarse:0.8", "coarse", "medium", "paper")
 
 
 def scene(mesh: str, end: float, mode: str = "drained") -> Any:
@@ -114,50 +109,7 @@ def fine() -> None:
     print(f"cost per unknown: {cost_per_unknown(runs[FINE], runs['paper']):.2f} times that of paper")
 
 
-def solvers() -> None:
-    """Compare own factors with those of earlier tangents: wall time of a pull to 1 mm, and of a load of 1 MN."""
-    for mesh, load in [(mesh, False) for mesh in SOLVERS] + [("paper", True)]:
-        (own, n_own, n), (earlier, n_earlier, _) = (_in_child(_wall, (mesh, start, load)) for start in (10**9, 0))
-        print(
-            f"{mesh:12} {'load' if load else 'pull'} {n:7,} unknowns  own factors {own:6.2f} s ({n_own}), "
-            f"earlier ones {earlier:6.2f} s ({n_earlier}): {own / earlier:.2f} times",
-            flush=True,
-        )
-
-
-def _wall(mesh: str, start: int, load: bool) -> tuple[float, int, int]:
-    """Return the wall time of the second of two runs (s), its factorisations, and the unknowns."""
-    from pysprings.full_model import compute
-
-    _recycle(start=start)
-    chosen = scene(mesh, 1.0 * MM)
-    if load:
-        path = {"name": "load", "kind": "load", "lateral_force": 1.0e6, "arm": 2.0}
-        chosen = chosen.replace(paths=(path,))
-    for _ in range(1 if load else 2):
-        begun = time.perf_counter()
-        record = compute.compute(chosen).record
-        wall = time.perf_counter() - begun
-    return wall, record.solver.factorisations, record.mesh.unknowns
-
-
-def _recycle(**changes: Any) -> None:
-    """Have all runs of this process use earlier factors with these settings (see settings.Recycling)."""
-    from fe_engine.settings import Recycling, Settings
-    from pysprings.full_model import work
-
-    work.Settings = partial(Settings, recycling=Recycling(**changes))  # type: ignore[misc, assignment]
-
-
-def _in_child(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """Call a function in a new process: what it changes stays there."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(function, arguments)
-
-
-SECTIONS: dict[str, Callable[[], None]] = {
-    "units": units, "growth": growth, "fine": fine, "solvers": solvers,
-}  # fmt: skip
+SECTIONS: dict[str, Callable[[], None]] = {"units": units, "growth": growth, "fine": fine}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
