@@ -37,7 +37,7 @@ def test_springs_that_do_not_follow_the_whole_path_have_no_error_of_it() -> None
     for states, words in ((0, "not known, first 0 of 21"), (8, "3 %, first 8 of 21")):
         whole = view(1.03)
         part = replace(whole, predictions={"fan": whole.predictions["fan"].isel(step=slice(states))})
-        title = PICTURE.draw(part).axes[1].get_title(loc="left")
+        title = CAISSON.draw(part).axes[1].get_title(loc="left")
         assert title == f"largest error of the springs in H: {words} states alone"
 
 
