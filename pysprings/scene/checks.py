@@ -239,7 +239,7 @@ def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:
         here: KeyPath = ("path", index)
         mode = ("drainage", "mode")
         if path.rate is None and path.duration is None:
-            allowed = " or ".join(PATH_KINDS[path.kind].paces)
+            allowed = "duration" if path.in_space else " or ".join(PATH_KINDS[path.kind].paces)
             yield Clash((here, (*here, "kind"), mode), f'drainage.mode = "coupled" needs {allowed} here')
         for entry, then in enumerate(path.then):
             if then.rate is None and then.time is None:

@@ -382,6 +382,8 @@ def test_motions_are_judged_alike_in_any_direction():
 @pytest.mark.parametrize(("path", "sections", "text"), [
     (TWIST, {"mesh": {"discretisation": "hex8"}}, "bricks have half of a caisson"),
     (TWIST, {"drainage": {"mode": "coupled"}}, "needs duration here"),
+    (ELBOW, {"drainage": {"mode": "coupled"}}, "needs duration here"),
+    (PROBE | {"torsion_angle": 0.5}, {"drainage": {"mode": "coupled"}}, "needs duration here"),
     (ELBOW | {"duration": 9.0}, {"drainage": {"mode": "coupled"}}, "needs a time"),
     (TWIST, {"drainage": {"mode": "undrained", "water_depth": 20.0}}, "leave the water depth out"),
     (TWIST, {"output": {"paraview": True}}, "half of a caisson"),
