@@ -284,7 +284,8 @@ def _with_bounds(
         if left[k] < 1.0:
             texts.append(f"loads at equal motion at least {100.0 * left[k]:.0f} % of those of the springs")
         texts += ["no bound: no vertical path leads beyond V"] * bool(np.isnan(left[k])) + [GOVERNS] * bool(twisted[k])
-        texts += [_bound_words(out.iloc[k])] * bool(bounded[k])
+        far = "extrapolated" in bounds and bool(bounds["extrapolated"].values[k] and np.isfinite(out["u_bound_m"][k]))
+        texts += [_bound_words(out.iloc[k]) + f" ({MARKS['extrapolated']})" * far] * bool(bounded[k])
         out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts]))
     return out
 

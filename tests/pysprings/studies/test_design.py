@@ -146,6 +146,20 @@ def test_the_bound_of_motions_holds_whatever_v_leaves_and_wherever_the_load_acts
     assert (most <= 1.0005 * bounds).all() and (most > 0.99 * bounds).all()
 
 
+def test_a_bound_beyond_the_calibrated_range_says_so_or_has_no_motion(tmp_path: Path) -> None:
+    """V of 6 and 15 MN under 400 kN: the load over its share is within the springs at 2 MN, and beyond them."""
+    tree, file = vertical_springs(), tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],V [MN]\nnear,400,2,6\nfar,400,2,15\n", encoding="utf-8")
+    for extrapolate in (False, True):
+        table = answer_cases(tree, read_load_cases(file), extrapolate=extrapolate).set_index("name")
+        words = {name: text.partition("; bound: ")[2] for name, text in table["marks"].items()}
+        assert words["near"].startswith("u ") and not words["near"].endswith(")")
+        assert table["utilisation_bound"]["far"] > 1.0 and np.isfinite(table["u_bound_m"]["far"]) == extrapolate
+        assert (
+            words["far"].endswith("(beyond the calibrated range)" if extrapolate else "") and "nan" not in words["far"]
+        )
+
+
 def test_a_side_without_an_answer_is_named_and_v_alone_needs_no_lateral_springs(tmp_path: Path) -> None:
     """Reactions grow with V: 0.9 of the largest H under 5 MN is beyond the springs at 2 MN."""
     tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
