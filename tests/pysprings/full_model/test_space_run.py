@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from fe_engine.assembly.fourier_film import line_water, pack_film
+from fe_engine.assembly.kernels_water import Step
 from fe_engine.balance.water import WaterBalance
 from fe_engine.clock import Clock
 from fe_engine.solve.stepping import fewest_increments
@@ -245,6 +247,26 @@ def test_the_water_of_the_whole_model_balances():
     volumes = [WaterBalance(each.system, each_state.committed).now(each_state.trial).compressed
                for each, each_state in ((work.model_of(path_of(work)), state), (half, other))]  # fmt: skip
     assert volumes[0] == pytest.approx(2.0 * volumes[1]) and volumes[0] > 0.0
+
+
+def test_the_film_of_the_whole_model_flows_as_that_of_the_half_in_both_families():
+    """Of each wave the flow along and around is twice that of half the circle, cos and sin alike."""
+    pull, none = {"name": "p", "kind": "pull", "lateral_displacement": 1e-3, "rate": 5e-5}, lambda *_: None
+    work = prepare(scene(ELBOW | {"duration": 20.0, "then": ["2 mm towards 90 deg in 1 min"]}, **WATER), Clock(), none)
+    half, whole = (prepare(scene(pull, **WATER), Clock(), none).built.model, work.model_of(path_of(work)).built.model)
+
+    def flow(model, slot):
+        film, pressure = pack_film(model), np.zeros((model.n_pressures, len(model.numbers)))
+        pressure[-model.water.film.n_nodes :, slot] = np.linspace(1e3, 2e3, model.water.film.n_nodes) ** 2
+        rows = np.zeros_like(pressure)
+        line_water(film, Step(1.0, 1.0), np.full(len(model.stations), 1e-4), pressure, rows)
+        return -float((rows * pressure).sum())
+
+    numbers = list(whole.numbers)
+    assert sorted(numbers) == [0, 1, 1, 2, 2, 3, 3] and list(half.numbers) == [0, 1, 2, 3]
+    flows = [flow(whole, slot) / flow(half, int(k)) for slot, k in enumerate(numbers)]
+    assert flows == pytest.approx([2.0] * 7, rel=1e-9)
+    assert flow(half, 2) > 1.01 * flow(half, 1)  # around, too
 
 
 def path_of(work):
