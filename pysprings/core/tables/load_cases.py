@@ -138,9 +138,9 @@ class LoadCases:
         (None: not known, T is left out): a bound in ground that is the same in all directions, but for cases that are
         `twisted`. In cases that are kept (n,) T stays what it is, beside H.
         """
-        aside, way = self.aside, np.sign(self.H)
+        torsion, way = np.where(kept, self.torsion, 0.0), np.sign(self.H)
         way = np.where(way != 0.0, way, np.where(self.M != 0.0, np.sign(self.M), 1.0))
-        torsion = np.where(kept, self.torsion, 0.0)
+        aside = (self.across != 0.0) | (self.torsion != torsion)
         added = np.zeros(len(self)) if radius is None else np.abs(self.torsion - torsion) / radius
         H = np.where(aside, way * (np.abs(self.H) + added), self.H)
         M = np.where(aside, way * np.hypot(self.M, self.across), self.M)

@@ -111,6 +111,8 @@ def test_a_torsion_that_governs_has_no_bound(tmp_path: Path) -> None:
     assert kept.torsion.tolist() == [-90e3, 0.0, -201e3, 0.0, 0.0] and kept.remarks[0] == ""
     np.testing.assert_allclose(kept.H, [0.0, 100e3 + 199e3 / 4, 100e3, 399e3 / 4, 175e3])
     np.testing.assert_allclose(kept.M, [0.0, 0.0, 0.0, 1600e3, 900e3])
+    below = table(tmp_path, "name,H [kN],M [kN m],T [kN m]", "a,100,-300,200")  # M turns against H, and T alone is kept
+    assert below.bounded(4.0, kept=True).M.tolist() == [-300e3] and below.bounded(4.0).M.tolist() == [300e3]
 
 
 def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:
