@@ -53,6 +53,7 @@ MARKS = {
     "unbounded": "no upper bound of the rotation: the largest load, 1.96 deviations less, is below this one",
 }
 GOVERNS = "no bound: torsion governs, which may reach its own capacity first"
+NO_RADIUS = "no bound: the radius, on which torsion acts, is not known"
 STIFFNESS = {
     ("u", "u"): "tangent_u_u_N_per_m",
     ("u", "rotation"): "tangent_u_rotation_N",
@@ -283,7 +284,8 @@ def _with_bounds(
         texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in lost.items() if load]
         if left[k] < 1.0:
             texts.append(f"loads at equal motion at least {100.0 * left[k]:.0f} % of those of the springs")
-        texts += ["no bound: no vertical path leads beyond V"] * bool(np.isnan(left[k])) + [GOVERNS] * bool(twisted[k])
+        texts += ["no bound: no vertical path leads beyond V"] * bool(np.isnan(left[k]))
+        texts += [GOVERNS if "outer_diameter_m" in bounds.attrs else NO_RADIUS] * bool(twisted[k])
         far = "extrapolated" in bounds and bool(bounds["extrapolated"].values[k] and np.isfinite(out["u_bound_m"][k]))
         texts += [_bound_words(out.iloc[k]) + f" ({MARKS['extrapolated']})" * far] * bool(bounded[k])
         out.loc[k, "marks"] = "; ".join(filter(None, [frame["marks"][k], *texts]))

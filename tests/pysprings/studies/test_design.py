@@ -15,9 +15,11 @@ from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
 from pysprings.macro.vertical_answer import largest_vertical
+from pysprings.results.exporters import export
 from pysprings.results.folder import run_to_folder
 from pysprings.results.plots.load_cases import load_cases
 from pysprings.results.report import load_cases as text
+from pysprings.results.tables import open_table
 from pysprings.springs.checks import save_springs
 from pysprings.studies import design as files
 from pysprings.studies.design import answer_cases
@@ -268,6 +270,16 @@ def test_rows_aside_of_one_plane_are_answered_and_marked(springs, tmp_path: Path
     )
     for name in ("twist alone", "turned"):
         assert "; no bound: torsion governs" in table["marks"][name] and "bound: u" not in table["marks"][name]
+
+
+def test_a_torsion_on_springs_of_a_table_has_no_bound(springs, tmp_path: Path) -> None:
+    """The radius of the caisson is not known: T over it cannot be added."""
+    export(springs, "beam", tmp_path)
+    (table,), file = list(tmp_path.glob("*.csv")), tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],T [kN m]\na,100,2,3\n", encoding="utf-8")
+    row = answer_cases(open_table(table), read_load_cases(file)).iloc[0]
+    assert row["marks"] == "no torsion (3 kN m left out); no bound: the radius, on which torsion acts, is not known"
+    assert row[["u_bound_m", "rotation_bound_rad", "utilisation_bound"]].isna().all() and row["verdict"] != "ok"
 
 
 @pytest.mark.slow
