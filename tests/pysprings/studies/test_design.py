@@ -162,6 +162,21 @@ def test_a_bound_beyond_the_calibrated_range_says_so_or_has_no_motion(tmp_path: 
         )
 
 
+def test_a_v_within_a_tenth_of_the_springs_is_marked_where_it_nears_its_own_capacity(tmp_path: Path) -> None:
+    """Springs at 2, 6 and 14 MN, the path down ends at 15.3: at 15 a quarter of the load is left, beyond no bound."""
+    tree, file = vertical_springs(heavier=(6e6, 14e6)), tmp_path / "cases.csv"
+    rows = "".join(f"at {V},100,2,{V}\n" for V in (2.1, 6.3, 14.001, 14.05, 15, 15.35))
+    file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
+    table = answer_cases(tree, read_load_cases(file), extrapolate=True).set_index("name")
+    end = REST + float(down_curve(np.array(1e-2)))
+    share = (15e6 - end) / (14e6 - end)
+    assert table["u_bound_m"].notna().tolist() == [False] * 4 + [True, False] and 0.2 < share < 0.3
+    assert f"at least {100 * share:.0f} % of those of the springs; bound: u " in table["marks"]["at 15"]
+    assert table["utilisation_bound"]["at 15"] == pytest.approx(table["utilisation"]["at 15"] / share, rel=1e-6)
+    assert table["marks"]["at 15.35"].endswith("no bound: no vertical path leads beyond V")
+    assert not table["marks"].iloc[:4].str.contains("bound").any()
+
+
 def test_a_side_without_an_answer_is_named_and_v_alone_needs_no_lateral_springs(tmp_path: Path) -> None:
     """Reactions grow with V: 0.9 of the largest H under 5 MN is beyond the springs at 2 MN."""
     tree, file = vertical_springs(heavier=(6e6,)), tmp_path / "cases.csv"
