@@ -228,9 +228,9 @@ def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: 
     """Return by case the share of loads at equal motion that V leaves at least, and V of the springs that it is of [N].
 
     1 and V of the case, but for lateral loads, answered or aside of one plane, whose V is beyond all springs, by more
-    than 10 % or so near the end V_e that more than `LOST_NEAR` is lost: where the load at equal motion is concave in V and is
-    not negative at the last V of the vertical path on that side, V_e, it is at least (V - V_e)/(V_s - V_e) of that at
-    V_s of the springs. NaN: V is not known to lie before such an end.
+    than 10 % or so near the end V_e that more than `LOST_NEAR` is lost: where the load at equal motion is concave in V
+    and is not negative at the last V of the vertical path on that side, V_e, it is at least (V - V_e)/(V_s - V_e) of
+    that at V_s of the springs. NaN: V is not known to lie before such an end.
     """
     share, at = np.ones(len(cases)), cases.V.copy()
     if not isinstance(springs, Springs) or choice.get("path") is not None or not springs.load_sets:
