@@ -182,8 +182,8 @@ def pictures_page() -> str:
         drawn = f"{_SCOPES[each.scope].replace('NAME', each.name)}, by `{'report' if each.section else 'all'}`"
         call = f"`tree.pysprings.plot.{each.name}({', '.join([*scope, *own])})`; `plots.{function.__name__}`"
         about = _words(inspect.getdoc(function) or "").split(" Parameters ---")[0]
-        rows.append([f"`{each.name}`", shown, f"{each.caption.rstrip('.')}. {drawn}. {call}: {about}"])
-    return f"{MARK}{PICTURES_HEAD}\n{markdown_table(['name', 'picture', 'file, call, content'], rows)}"
+        rows.append([shown, f"**{each.name}**: {each.caption.rstrip('.')}. {drawn}. {call}: {about}"])
+    return f"{MARK}{PICTURES_HEAD}\n{markdown_table(['picture', 'name, file, call, content'], rows)}"
 
 
 _SCOPES = {"run": "`NAME.png`", "path": "`PATH_NAME.png`", "state": "`PATH_NAME_STATE.png`"}
