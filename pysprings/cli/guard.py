@@ -14,19 +14,7 @@ from typing import Any, ParamSpec
 import typer
 
 from pysprings.cli.support import LOG, to_stderr
-from pysprings.core.errors import (
-    EXIT_BUG,
-    EXIT_INTERRUPTED,
-    EXIT_NOT_CONVERGED,
-    EXIT_RESOURCES,
-    EXIT_USER_INPUT,
-    MOST_LETTERS,
-    ResourceError,
-    RunIncomplete,
-    UserInputError,
-    out_of_memory,
-    printable,
-)
+from pysprings.core import errors
 
 P = ParamSpec("P")
 
@@ -62,37 +50,40 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
 
 def explained(error: BaseException) -> tuple[str, int]:
     """Return message and exit code of an error."""
-    if isinstance(error, UserInputError):
+    if isinstance(error, errors.UserInputError):
         return str(error), error.exit_code
-    if isinstance(error, RunIncomplete):
+    if isinstance(error, errors.RunIncomplete):
         where = f"\nwhat converged is kept in {error.folder}" if error.folder else ""
         return f"fatal: not converged: {error}{where}", error.exit_code
     if isinstance(error, KeyboardInterrupt):
-        return "interrupted", EXIT_INTERRUPTED
+        return "interrupted", errors.EXIT_INTERRUPTED
     if isinstance(error, MemoryError):
         return (
-            f"fatal: resources: {out_of_memory(error)}; try a smaller mesh (`pysprings check` estimates)",
-            EXIT_RESOURCES,
+            f"fatal: resources: {errors.out_of_memory(error)}; try a smaller mesh (`pysprings check` estimates)",
+            errors.EXIT_RESOURCES,
         )
-    if isinstance(error, ResourceError):
-        return f"fatal: resources: {error}", EXIT_RESOURCES
+    if isinstance(error, errors.ResourceError):
+        return f"fatal: resources: {error}", errors.EXIT_RESOURCES
     if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
-        name = printable(error.filename or "a path")
-        return f"fatal: user input: {name[:MOST_LETTERS]}: is longer than the system allows", EXIT_USER_INPUT
+        name = errors.printable(error.filename or "a path")
+        return (
+            f"fatal: user input: {name[: errors.MOST_LETTERS]}: is longer than the system allows",
+            errors.EXIT_USER_INPUT,
+        )
     if isinstance(error, OSError):
         what = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
-        return f"fatal: resources: {printable(what)}", EXIT_RESOURCES
+        return f"fatal: resources: {errors.printable(what)}", errors.EXIT_RESOURCES
     if isinstance(error, ModuleNotFoundError) and (error.name or "").partition(".")[0] not in OURS:
-        return f"fatal: resources: this needs the package {error.name}, which is not installed", EXIT_RESOURCES
+        return f"fatal: resources: this needs the package {error.name}, which is not installed", errors.EXIT_RESOURCES
     engine = sys.modules.get("fe_engine.errors")  # errors of the engine that no caller has converted
     if engine and isinstance(error, engine.NotConverged):
-        return f"fatal: not converged: {printable(error)}", EXIT_NOT_CONVERGED
+        return f"fatal: not converged: {errors.printable(error)}", errors.EXIT_NOT_CONVERGED
     if engine and isinstance(error, engine.MeshError):
-        return f"fatal: user input: mesh: {printable(error)}", EXIT_USER_INPUT
+        return f"fatal: user input: mesh: {errors.printable(error)}", errors.EXIT_USER_INPUT
     if engine and isinstance(error, engine.SettingError):
-        return f"fatal: user input: {printable(error)}", EXIT_USER_INPUT
+        return f"fatal: user input: {errors.printable(error)}", errors.EXIT_USER_INPUT
     trace = "" if DEBUG.get() else "; `pysprings --debug ...` shows where"
-    return f"fatal: bug: {type(error).__name__}: {printable(error)}\nplease report it{trace}", EXIT_BUG
+    return f"fatal: bug: {type(error).__name__}: {errors.printable(error)}\nplease report it{trace}", errors.EXIT_BUG
 
 
 def _show_warning(message: Warning | str, *_args: Any, **_kwargs: Any) -> None:

@@ -100,8 +100,7 @@ def refuse(key: str | None, message: str, file: str | os.PathLike[str] | None = 
 
 def quantities(given: Mapping[str, tuple[str | None, str, str]]) -> dict[str, float | None]:
     """Return SI values (None for options not given) of {option: (text or None, SI unit, example)}."""
-    from pysprings.core.magnitudes import fault, slip
-    from pysprings.core.units import QuantityError, quoted, read
+    from pysprings.core.units import QuantityError, fault, quoted, read, slip
 
     values: dict[str, float | None] = {}
     problems = []

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from pysprings.core.magnitudes import ATMOSPHERE, VAPOUR
+from pysprings.core.units import ATMOSPHERE, VAPOUR
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.loads import close_loads
-from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
+from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.vertical_answer import SLACK, vertical_use

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.variables import TORSION
 from pysprings.macro.fan import FanTable
+from pysprings.memory import offered
 from pysprings.memory.calibration import (
     FORGET,
     MOST_NUMBERS,
@@ -30,18 +31,6 @@ from pysprings.memory.calibration import (
     way_of,
 )
 from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
-from pysprings.memory.offered import (
-    AZIMUTHS,
-    LARGEST,
-    SMALLEST,
-    Offered,
-    elastic_motions,
-    evened,
-    in_space,
-    numbers_of,
-    offered,
-    plastic_rows,
-)
 from pysprings.memory.shares import RIDGE, Sample, heave_of, heave_weights, loads_of, places
 from pysprings.memory.water import ridge_fit
 from pysprings.springs.path import SpacePath
@@ -96,7 +85,7 @@ def calibrate_in_space(
         return None
     torsion, torsion_left = torsion_elements(twists, springs, reach)
     rows, left = _lateral(planar.rows, ways, lateral, table, stiffness, (reach, MOST_NUMBERS - STATES * len(torsion)))
-    choice = Offered.of_space(rows)
+    choice = offered.Offered.of_space(rows)
     p = _by_depth(choice, ways, springs, table, planar.largest)
     growth, longest = float(planar.shares.growth), max([planar.way, *(way_of(way.motions[:, :4]) for way in lateral)])
     even = _heave(choice, ways, springs, table, (planar.largest, growth))
@@ -107,26 +96,26 @@ def calibrate_in_space(
 
 
 def _heave(
-    choice: Offered, ways: Sequence[Sample], springs: Springs, table: FanTable, sizes: tuple[float, float]
+    choice: offered.Offered, ways: Sequence[Sample], springs: Springs, table: FanTable, sizes: tuple[float, float]
 ) -> Array:
     """Return w and V (2, 2 elements) by the ways and the stored energies of elements; sizes: largest step, growth.
 
     From the planar ways along x and turned, and the recorded paths that move the lid centre out of the plane; as even
     rows of the plane.
     """
-    (largest, growth), angles = sizes, (0.0, 0.5 * np.pi / AZIMUTHS)
+    (largest, growth), angles = sizes, (0.0, 0.5 * np.pi / offered.AZIMUTHS)
     known = [(_turned(way.motions, a, 5), heave_of(table, way), way.turns) for a in angles for way in ways]
     for path in springs.turning:
         if path.kind != "twist":
             motions, change = path.motions(1.0), np.stack([path[name] - path[name][0] for name in ("w", "V")])
             known.append((motions, change, True))
-    X = np.concatenate([evened(choice, motions, largest, growth) for motions, _, _ in known])
+    X = np.concatenate([offered.evened(choice, motions, largest, growth) for motions, _, _ in known])
     weights = heave_weights([(change[0], turns) for _, change, turns in known])
     return ridge_fit(X, np.concatenate([change for _, change, _ in known], axis=1).T, weights, RIDGE)
 
 
 def _by_depth(
-    choice: Offered, ways: Sequence[Sample], springs: Springs, table: FanTable, largest: float
+    choice: offered.Offered, ways: Sequence[Sample], springs: Springs, table: FanTable, largest: float
 ) -> tuple[Array, Array]:
     """Return p (k, 2) by the load (H, M/L) of a plane and (k, 2 elements) by the elastic motions of elements.
 
@@ -140,7 +129,7 @@ def _by_depth(
             known.append((path.motions(1.0), path.reactions(), weights))
     e, F, p, w = [], [], [], []
     for motions, found, weights in known:
-        elastic = elastic_motions(choice, motions, largest)
+        elastic = offered.elastic_motions(choice, motions, largest)
         for plane, values in enumerate(found):
             own = elastic[:, :, 2 * plane : 2 * plane + 2]
             e.append(own.reshape(len(own), -1))
@@ -164,19 +153,19 @@ def _lateral(
 
     The planar ways count along x, and turned by half of the angle between two planes.
     """
-    (reach, most), half = limits, 0.5 * np.pi / AZIMUTHS
+    (reach, most), half = limits, 0.5 * np.pi / offered.AZIMUTHS
     known = [(way.motions, way.loads(table), way.weights) for way in ways]
     known += [(_turned(motions, half, 5), _turned(loads, half, 4), weights) for motions, loads, weights in known]
     known += [(way.motions, way.loads[:, :4], way.weights) for way in out]
-    choice, largest = offered(planar), SUBSTEP * reach
+    choice, largest = offered.offered(planar), SUBSTEP * reach
     rows, left, chosen = fitted(choice, known, stiffness, largest)
     choice = choice.chosen(chosen)
-    numbers = numbers_of(rows, choice.spread)
+    numbers = offered.numbers_of(rows, choice.spread)
     if numbers.sum() > most:
         choice = choice.chosen(strongest(rows, choice, known, largest, (numbers, most)))
         rows, left, chosen = fitted(choice, known, stiffness, largest)
         choice = choice.chosen(chosen)
-    return in_space(rows, choice.spread), left
+    return offered.in_space(rows, choice.spread), left
 
 
 def errors_of(rows: Array, motions: Array, loads: Array, largest: float) -> tuple[float, float]:
@@ -229,8 +218,8 @@ def torsion_elements(twists: Sequence[SpaceWay], springs: Springs, reach: float)
 def _twisting(reach: float) -> Array:
     """Return the elements (n, COLUMNS) of one motion, of stiffness 1, from which those of torsion are chosen."""
     laws = [(0.0, 1.0), *product(TORSION_GAINS, TORSION_LENGTHS)]
-    sizes = np.geomspace(0.1 * SMALLEST * reach, LARGEST * reach, TORSION_SIZES)
+    sizes = np.geomspace(0.1 * offered.SMALLEST * reach, offered.LARGEST * reach, TORSION_SIZES)
     parts = [[0.0, 1.0, size, gain, length * reach] for size in sizes for gain, length in laws]
-    rows = plastic_rows(np.array([*parts, [0.0, 1.0, 1e6 * reach, 0.0, reach]]))
+    rows = offered.plastic_rows(np.array([*parts, [0.0, 1.0, 1e6 * reach, 0.0, reach]]))
     rows[:, 3], rows[:, 6] = 0.0, 0.0  # of one motion alone
     return rows

@@ -28,7 +28,7 @@ import numpy as np
 
 from fe_engine.contact import adhesion, coulomb
 from fe_engine.contact.law import ContactLaw
-from pysprings.core.magnitudes import ATMOSPHERE, VAPOUR
+from pysprings.core.units import ATMOSPHERE, VAPOUR
 from pysprings.model.mesh import SURFACES
 from pysprings.scene.by_depth import of_surface
 from pysprings.scene.defaults import defaulted

@@ -5,19 +5,10 @@ from collections.abc import Iterator
 
 from pysprings.core.path_kinds import CALIBRATION, LOADS, MEMORY, MOTIONS, PATH_KINDS, UNITS
 from pysprings.core.units import show
+from pysprings.scene import layers
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.fan import space_paths
 from pysprings.scene.interface import drainage_clashes, interface_clashes
-from pysprings.scene.layers import (
-    in_layer,
-    key_clashes,
-    layer_order,
-    missing,
-    open_ends,
-    uniform_soils,
-    values_inside,
-    with_stand_ins,
-)
 from pysprings.scene.positions import Clash, KeyPath
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Caisson, Extent, Path, Soil, Solver, Springs
@@ -35,12 +26,12 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _caisson(scene.caisson)
     extent = scene.extent
     yield from _domain(extent, scene.caisson)
-    lacking = [*missing(scene.soil, scene.drainage.mode)]
+    lacking = [*layers.missing(scene.soil, scene.drainage.mode)]
     yield from _ground(scene.soil, extent, lacking)
     if lacking:
-        scene = scene.model_copy(update={"soil": with_stand_ins(scene.soil)})
+        scene = scene.model_copy(update={"soil": layers.with_stand_ins(scene.soil)})
     yield from drainage_clashes(scene)
-    if not [*layer_order(scene.soil, extent)]:
+    if not [*layers.layer_order(scene.soil, extent)]:
         yield from interface_clashes(scene)
     yield from _series(scene)
     yield from _solver(scene.solver)
@@ -103,16 +94,21 @@ def _ground(soil: Soil, domain: Extent, lacking: list[Clash]) -> Iterator[Clash]
 
     ``lacking`` names the values that are missing: others stand in for them where the rest is checked.
     """
-    checked = with_stand_ins(soil) if lacking else soil
-    wrong = [*key_clashes(soil), *lacking, *layer_order(soil, domain), *values_inside(checked, domain)]
-    wrong += [] if wrong else [*open_ends(soil, domain)]
+    checked = layers.with_stand_ins(soil) if lacking else soil
+    wrong = [
+        *layers.key_clashes(soil),
+        *lacking,
+        *layers.layer_order(soil, domain),
+        *layers.values_inside(checked, domain),
+    ]
+    wrong += [] if wrong else [*layers.open_ends(soil, domain)]
     yield from wrong
     if wrong:
         return
     seen = set()
-    for uniform, vertical, number in uniform_soils(soil, domain):
+    for uniform, vertical, number in layers.uniform_soils(soil, domain):
         for clash in SOIL_LAWS[uniform.yield_surface].faults(uniform, vertical):
-            named = in_layer(clash, soil, number)
+            named = layers.in_layer(clash, soil, number)
             if (number, named.keys) not in seen:  # one of the two ends of a layer is enough
                 seen.add((number, named.keys))
                 yield named

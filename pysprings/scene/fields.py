@@ -17,9 +17,8 @@ from pydantic import ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pysprings.core import units
-from pysprings.core.magnitudes import slip
 from pysprings.core.text import suggestion
-from pysprings.core.units import quoted
+from pysprings.core.units import quoted, slip
 from pysprings.core.written import is_device
 
 FROM_TOML = {"bare_numbers": False}  # validation context of a scene that comes from a file

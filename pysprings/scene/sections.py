@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from pydantic import BaseModel, ConfigDict, Field as Key, create_model
 
-from pysprings.core.magnitudes import MOST_MOVED, MOST_TURNED
 from pysprings.core.path_kinds import LOADS, MOTIONS, PATH_KINDS, ROLES
+from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import AUTO, FROM_CASES, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text

@@ -18,11 +18,10 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import Problem, UserInputError, refused
-from pysprings.core.magnitudes import LARGEST, SMALLEST_AT_ALL
 from pysprings.core.path_kinds import LOADS, MOTIONS, PAIRS, PARTS, PATH_KINDS, ROLES
 from pysprings.core.storage import read_tree, write_tree
 from pysprings.core.text import MOST_LETTERS
-from pysprings.core.units import quoted
+from pysprings.core.units import LARGEST, SMALLEST_AT_ALL, quoted
 from pysprings.core.variables import TORSION
 from pysprings.core.written import is_device
 from pysprings.springs.path import RecordedPath, SpacePath, paths_of, pure_of, rays_of, space_paths_of

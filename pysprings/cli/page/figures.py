@@ -12,27 +12,14 @@ from pysprings.cli.page.answers import Answer, load_of, profiles
 from pysprings.core.loads import close_loads
 from pysprings.core.words import RANGE_END
 from pysprings.macro.fan_springs import BAND
-from pysprings.results.look import (
-    BLUE,
-    CASE_MARKS,
-    GREEN,
-    GREY,
-    INK,
-    KN,
-    MM,
-    MN,
-    OTHER_CASE,
-    PURPLE,
-    SKY,
-    VERMILLION,
-)  # fmt: skip
+from pysprings.results import look
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
 Figure = dict[str, Any]
-FONT = {"family": "DejaVu Sans, Verdana, sans-serif", "size": 11, "color": INK}
-REACTIONS = {"p": ("p [kN/m]", BLUE), "m": ("m [kN m/m]", PURPLE), "t": ("t [kN/m]", GREEN)}
+FONT = {"family": "DejaVu Sans, Verdana, sans-serif", "size": 11, "color": look.INK}
+REACTIONS = {"p": ("p [kN/m]", look.BLUE), "m": ("m [kN m/m]", look.PURPLE), "t": ("t [kN/m]", look.GREEN)}
 MOST_NAMES = 12  # of loads that are written beside them
 BESIDE = ("top right", "bottom right", "top left", "bottom left")
 PICTURE = (6.4, 3.5)  # inch
@@ -40,7 +27,7 @@ PICTURE = (6.4, 3.5)  # inch
 
 def figure(title: str, traces: list[Figure], **layout: Any) -> Figure:
     """Return a figure of plotly with the look of the page."""
-    axes = {name: {"gridcolor": "#dddddd", "zerolinecolor": GREY, "automargin": True} | given
+    axes = {name: {"gridcolor": "#dddddd", "zerolinecolor": look.GREY, "automargin": True} | given
             for name, given in layout.items() if name[1:5] == "axis"}  # fmt: skip
     rest = {name: given for name, given in layout.items() if name not in axes}
     return {
@@ -79,14 +66,14 @@ def load_over_motion(answer: Answer) -> Figure:
     load, motion = ("H", "u") if force else ("M", "rotation")
     heads = ("u [mm]", "H [MN]") if force else ("rotation [mrad]", "M [MN m]")
     drawn = [each for each in (answer.onward, answer.way) if each is not None]
-    ways = [(MM * each[motion].values, MN * each[load].values) for each in drawn]
-    traces, words = [line(*way, "known", GREY) for way in ways[:1]], ""
+    ways = [(look.MM * each[motion].values, look.MN * each[load].values) for each in drawn]
+    traces, words = [line(*way, "known", look.GREY) for way in ways[:1]], ""
     if drawn and f"{motion}_deviation" in drawn[0]:
         words = ", band of 95 %"
-        traces.insert(0, _band(*ways[0], MM * drawn[0][f"{motion}_deviation"].values))
+        traces.insert(0, _band(*ways[0], look.MM * drawn[0][f"{motion}_deviation"].values))
     if answer.way is not None:
         x, y = ways[-1]
-        traces += [line(x, y, "way", BLUE), dots(x[-1:], y[-1:], "answer", VERMILLION, "circle", ["answer"])]
+        traces += [line(x, y, "way", look.BLUE), dots(x[-1:], y[-1:], "answer", look.VERMILLION, "circle", ["answer"])]
     elif answer.question is not None:
         words += "; no answer to the load"
     across, along = (room(np.concatenate([[0.0], *(way[k] for way in ways)])) for k in (0, 1))
@@ -98,7 +85,7 @@ def _band(x: Any, y: Any, deviation: Any) -> Figure:
     known = np.isfinite(deviation)
     x, width, load, sign = x[known], BAND * deviation[known], y[known], np.sign(x.sum())
     low, high = sign * np.maximum(sign * x - width, 0.0), x + sign * width  # no motion against the load
-    around = line(np.append(low, high[::-1]), np.append(load, load[::-1]), "band of 95 %", SKY, fill="toself")
+    around = line(np.append(low, high[::-1]), np.append(load, load[::-1]), "band of 95 %", look.SKY, fill="toself")
     return around | {"line": {"width": 0}, "opacity": 0.4, "hoverinfo": "skip"}
 
 
@@ -111,7 +98,7 @@ def by_depth(answer: Answer) -> Figure:
     for k, (name, (depth, values)) in enumerate(found.items()):
         words, colour = REACTIONS[name]
         own = f"x{k + 1}" if k else "x"
-        traces.append(line(KN * values, depth, words, colour, xaxis=own, mode="lines+markers", marker={"size": 5}))
+        traces.append(line(look.KN * values, depth, words, colour, xaxis=own, mode="lines+markers", marker={"size": 5}))
         axes[f"xaxis{k + 1}" if k else "xaxis"] = {
             "title": {"text": words}, "domain": [k * width + 0.04 * bool(k), (k + 1) * width - 0.03], "nticks": 3,
             "tickangle": 0, "rangemode": "tozero",
@@ -123,28 +110,30 @@ def envelope(answer: Answer) -> Figure:
     """Draw the largest known loads in the plane of H and M, the load and the load cases."""
     traces = []
     if answer.around is not None:
-        H, M = (MN * np.concatenate([each, -each, each[:1]]) for each in (answer.around.H, answer.around.M))
+        H, M = (look.MN * np.concatenate([each, -each, each[:1]]) for each in (answer.around.H, answer.around.M))
         kinds = np.concatenate([answer.around.kind] * 2 + [answer.around.kind[:1]])
-        traces.append(line(H, M, "largest known load", GREY))
+        traces.append(line(H, M, "largest known load", look.GREY))
         for ends, symbol, name in ((False, "circle", "capacity"), (True, "triangle-down-open", "end of the range")):
             at = (kinds == RANGE_END) == ends
             if at.any():
-                traces.append(dots(H[at], M[at], name, GREEN, symbol, size=6))
+                traces.append(dots(H[at], M[at], name, look.GREEN, symbol, size=6))
     loads, others = [], False
     if answer.question is not None:
-        loads = [("load", *load_of(answer.question), VERMILLION, "circle" if answer.way is not None else "x")]
+        loads = [("load", *load_of(answer.question), look.VERMILLION, "circle" if answer.way is not None else "x")]
     if answer.model is not None and answer.question is not None and isinstance(answer.cases, DataFrame):
         V = answer.model.rest_load if answer.question.V is None else answer.question.V
         near = close_loads(answer.cases["V_N"].fillna(V).to_numpy(float), V)
         others = not bool(near.all())
         for row, close in zip(answer.cases.to_dict("records"), near, strict=True):
             colour, symbol = (
-                (CASE_MARKS.get(row["verdict"], OTHER_CASE)[1], "square") if close else (GREY, "square-open")
+                (look.CASE_MARKS.get(row["verdict"], look.OTHER_CASE)[1], "square")
+                if close
+                else (look.GREY, "square-open")
             )
             loads.append((row["name"], row["H_N"], row["M_Nm"], colour, symbol))
     for k, (name, force, moment, colour, symbol) in enumerate(loads):
         texts = [name] if len(loads) <= MOST_NAMES else None
-        traces.append(dots([MN * force], [MN * moment], name, colour, symbol, texts, 6 if k else 9))
+        traces.append(dots([look.MN * force], [look.MN * moment], name, colour, symbol, texts, 6 if k else 9))
         traces[-1]["textposition"] = BESIDE[k % len(BESIDE)]
     across, along = (room([x for each in traces for x in each[axis]], 0.25) for axis in "xy")
     notes = ["triangles: the springs end there"] * any(each["name"] == "end of the range" for each in traces)

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
-from pysprings.core.magnitudes import unit_of_column
-from pysprings.core.units import MEANING, QuantityError, quoted, unit_of
+from pysprings.core.units import MEANING, QuantityError, quoted, unit_of, unit_of_column
 from pysprings.core.words import ESTIMATES
 
 GRAVITY = 9.80665  # m/s2

@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.magnitudes import LARGEST, fault
 from pysprings.core.tables.files import (
     Cell,
     Line,
@@ -32,7 +31,7 @@ from pysprings.core.tables.files import (
     text_of,
 )
 from pysprings.core.tables.headings import TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
-from pysprings.core.units import quoted
+from pysprings.core.units import LARGEST, fault, quoted
 
 Array = NDArray[np.float64]
 

@@ -19,6 +19,7 @@ from pysprings.core.errors import ResourceError, refused
 from pysprings.core.progress import Progress, duration
 from pysprings.core.storage import remove_leftovers, write_text
 from pysprings.core.written import exclusive, new_folder, own_folder
+from pysprings.studies.sweep import worker
 from pysprings.studies.sweep.plan import (
     CASES,
     SKIP,
@@ -31,20 +32,6 @@ from pysprings.studies.sweep.plan import (
     read_cases,
     wants_again,
     write_cases,
-)
-from pysprings.studies.sweep.worker import (
-    ENDED,
-    FOLDER,
-    SIGN,
-    Answer,
-    Ended,
-    Place,
-    Task,
-    client_of,
-    dashboard,
-    read_ended,
-    run_case,
-    unpack,
 )
 
 STUDY = "study.json"
@@ -69,7 +56,7 @@ class Study:
 
     def folder(self, number: int) -> Path:
         """Return the folder of a case."""
-        return self.out / FOLDER / self.hashes[number]
+        return self.out / worker.FOLDER / self.hashes[number]
 
     @cached_property
     def _alike(self) -> dict[str, list[int]]:
@@ -79,7 +66,7 @@ class Study:
             found.setdefault(name, []).append(number)
         return found
 
-    def note(self, ended: Ended) -> None:
+    def note(self, ended: worker.Ended) -> None:
         """Take over how a case ended; cases with the same scene stand alike."""
         for number in self._alike[ended.name]:
             self.states[number] = State(ended.status, ended.reason, ended.seconds, ended.name)
@@ -94,7 +81,7 @@ class Study:
 
 
 def sweep(
-    plan: Plan, out: Path, place: Place, progress: Progress, say: Callable[[str], object] = lambda _: None,
+    plan: Plan, out: Path, place: worker.Place, progress: Progress, say: Callable[[str], object] = lambda _: None,
     again: bool = False,
 ) -> Study:  # fmt: skip
     """Run the cases of a plan that have not ended; return the study.
@@ -105,7 +92,7 @@ def sweep(
     Raises ResourceError: the scheduler went away; no disk or memory. What has ended stays.
     """
     with new_folder(out), exclusive(out):
-        remove_leftovers(out, own_folder(out, FOLDER))
+        remove_leftovers(out, own_folder(out, worker.FOLDER))
         study = _opened(plan, out, again)
         study.write(force=True)
         waiting = [case for case in study.plan.cases if study.states[case.number].status in _OPEN]
@@ -164,33 +151,35 @@ def _state(study: Study, case: Case, asked: str) -> State:
     if is_skipped(asked):
         return State(SKIP, hash=folder.name)
     if wants_again(asked):
-        (folder / ENDED).unlink(missing_ok=True)
+        (folder / worker.ENDED).unlink(missing_ok=True)
         return State(hash=folder.name)
-    ended = read_ended(folder)
+    ended = worker.read_ended(folder)
     if ended is None or ended.status == STOPPED:
         return State(hash=folder.name)
     return State(ended.status, ended.reason, ended.seconds, folder.name)
 
 
-def _run(study: Study, waiting: list[Case], place: Place, progress: Progress, say: Callable[[str], object]) -> None:
+def _run(
+    study: Study, waiting: list[Case], place: worker.Place, progress: Progress, say: Callable[[str], object]
+) -> None:
     """Have the workers run cases; each scene once."""
     sign = secrets.token_hex(16)
-    write_text(sign, study.out / SIGN)
+    write_text(sign, study.out / worker.SIGN)
     first = {study.hashes[case.number]: case for case in reversed(waiting)}
     order = sorted(first.values(), key=lambda case: case.number)
     try:
-        with client_of(place) as client:
+        with worker.client_of(place) as client:
             say(_place(client))
             _follow(study, order, sign, client, progress)
     finally:
-        (study.out / SIGN).unlink(missing_ok=True)
+        (study.out / worker.SIGN).unlink(missing_ok=True)
     if study.carried:
         say(f"{study.carried} results were carried back by the scheduler: its workers do not share {study.out}")
 
 
 def _place(client: Any) -> str:
     workers = len(client.scheduler_info(n_workers=-1)["workers"])
-    return f"{workers} worker{'s' if workers != 1 else ''} at {client.scheduler.address}; {dashboard(client)}"
+    return f"{workers} worker{'s' if workers != 1 else ''} at {client.scheduler.address}; {worker.dashboard(client)}"
 
 
 def _follow(study: Study, order: list[Case], sign: str, client: Any, progress: Progress) -> None:
@@ -227,11 +216,11 @@ def _submitted(study: Study, cases: Iterator[Case], sign: str, client: Any, numb
             return
         name = study.hashes[case.number]
         scene = study.plan.scene_of(case).to_toml()
-        task = Task(case.number, scene, str(study.out.resolve()), name, sign, study.plan.keep == "all")
-        yield client.submit(run_case, task, key=f"case-{case.id}-{name}-{sign[:8]}", pure=False)
+        task = worker.Task(case.number, scene, str(study.out.resolve()), name, sign, study.plan.keep == "all")
+        yield client.submit(worker.run_case, task, key=f"case-{case.id}-{name}-{sign[:8]}", pure=False)
 
 
-def _answer(future: Any, study: Study) -> Answer:
+def _answer(future: Any, study: Study) -> worker.Answer:
     """Return what a worker answered; an error that is none of ours stops the case, not the study."""
     from distributed import KilledWorker
     from distributed.client import FutureCancelledError
@@ -239,22 +228,22 @@ def _answer(future: Any, study: Study) -> Answer:
     number = int(future.key.split("-")[1])
     name = study.hashes[number]
     try:
-        answer: Answer = future.result()
+        answer: worker.Answer = future.result()
         return answer
     except KilledWorker:
         text = "its workers died one after the other: memory? (--jobs 1 leaves more for each)"
-        return Answer(Ended(number, STOPPED, text, 0.0, name))
+        return worker.Answer(worker.Ended(number, STOPPED, text, 0.0, name))
     except (FutureCancelledError, TimeoutError, OSError) as error:
         raise ResourceError(f"the scheduler went away ({type(error).__name__}); the same command goes on") from None
     except Exception as error:  # of a worker: another version, a broken installation, a bug
         text = f"{type(error).__name__}: {error}".split("\n")[0]
-        return Answer(Ended(number, STOPPED, text[:300], 0.0, name))
+        return worker.Answer(worker.Ended(number, STOPPED, text[:300], 0.0, name))
 
 
-def _take(study: Study, answer: Answer) -> None:
+def _take(study: Study, answer: worker.Answer) -> None:
     """Put an answer into the study; unpack files that were carried back."""
     if answer.files is not None:
-        unpack(answer.files, study.folder(answer.ended.number))
+        worker.unpack(answer.files, study.folder(answer.ended.number))
         study.carried += 1
     study.ran += 1
     study.note(answer.ended)

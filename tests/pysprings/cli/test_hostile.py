@@ -15,9 +15,9 @@ from pysprings import open_table
 from pysprings.cli import support
 from pysprings.core.columns import Table
 from pysprings.core.errors import UserInputError
-from pysprings.core.magnitudes import LARGEST, fault, unit_of_column
 from pysprings.core.storage import write_tree
 from pysprings.core.tables import files as reader
+from pysprings.core.units import LARGEST, fault, unit_of_column
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
 from pysprings.results.report.page import render
