@@ -18,6 +18,7 @@ from pydantic import ValidationError
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
+from pysprings.scene import sections
 from pysprings.scene.by_depth import incomplete, picked, ranges_in, take_estimate
 from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
@@ -26,38 +27,23 @@ from pysprings.scene.fields import FROM_TOML
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 from pysprings.scene.profile_table import key_of, read_layers
-from pysprings.scene.sections import (
-    Caisson,
-    Domain,
-    Drainage,
-    Interface,
-    Layer,
-    Limit,
-    Mesh,
-    Output,
-    Path,
-    Section,
-    Soil,
-    Solver,
-    Springs,
-)
 from pysprings.scene.soils.cyclic import CYCLIC, read_files, titled
 
 MAX_BYTES = 256 * 1024
 
-SECTIONS: dict[str, type[Section]] = {
-    "caisson": Caisson,
-    "domain": Domain,
-    "soil": Soil,
-    "interface": Interface,
-    "drainage": Drainage,
-    "springs": Springs,
-    "path": Path,
-    "mesh": Mesh,
-    "solver": Solver,
-    "limit": Limit,
+SECTIONS: dict[str, type[sections.Section]] = {
+    "caisson": sections.Caisson,
+    "domain": sections.Domain,
+    "soil": sections.Soil,
+    "interface": sections.Interface,
+    "drainage": sections.Drainage,
+    "springs": sections.Springs,
+    "path": sections.Path,
+    "mesh": sections.Mesh,
+    "solver": sections.Solver,
+    "limit": sections.Limit,
     "design": Design,
-    "output": Output,
+    "output": sections.Output,
 }
 
 
@@ -287,7 +273,7 @@ def _header(path: KeyPath) -> str:
     return "[[path]]" if path[0] == "path" else f"[{dotted(path)}]"
 
 
-def _keys(section: type[Section]) -> list[str]:
+def _keys(section: type[sections.Section]) -> list[str]:
     """Return the keys of a table as TOML has them."""
     return [str(info.validation_alias or name) for name, info in section.model_fields.items()]
 
@@ -295,7 +281,7 @@ def _keys(section: type[Section]) -> list[str]:
 def _unknown_key(path: KeyPath) -> Fault:
     """Return the message on an unknown key, with the most similar valid one."""
     name = str(path[-1])
-    section = Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
+    section = sections.Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
     known = _keys(section) if len(path) > 1 and section else ["title", *SECTIONS]
     homes = [_header((section,)) for section, model in SECTIONS.items() if name in _keys(model)]
     same = key_of(name) if path[0] == "soil" else None

@@ -8,45 +8,29 @@ from typing import Annotated, Any, Self, cast
 from pydantic import Field as Key
 
 from pysprings.core.words import AUTO, Discretisation
+from pysprings.scene import sections
 from pysprings.scene.design_load import Design
 from pysprings.scene.fan import fan_paths, space_paths
 from pysprings.scene.fields import Text
 from pysprings.scene.ground import Ground, make_ground
-from pysprings.scene.sections import (
-    PAPER_PATH,
-    Caisson,
-    Domain,
-    Drainage,
-    Extent,
-    Interface,
-    Limit,
-    Mesh,
-    Output,
-    Path,
-    Section,
-    Soil,
-    Solver,
-    Springs,
-    make_extent,
-)
 
 
-class SceneSections(Section):
+class SceneSections(sections.Section):
     """The values of a scene, each valid for itself, and what follows from them, found once."""
 
     title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson in sand, drained"
-    caisson: Caisson = Caisson()
-    domain: Domain = Domain()
-    soil: Soil = Soil()
-    interface: Interface = Interface()
-    drainage: Drainage = Drainage()
-    springs: Springs = Springs()
-    paths: tuple[Path, ...] = Key((), validation_alias="path")
-    mesh: Mesh = Mesh()
-    solver: Solver = Solver()
-    limit: Limit = Limit()
+    caisson: sections.Caisson = sections.Caisson()
+    domain: sections.Domain = sections.Domain()
+    soil: sections.Soil = sections.Soil()
+    interface: sections.Interface = sections.Interface()
+    drainage: sections.Drainage = sections.Drainage()
+    springs: sections.Springs = sections.Springs()
+    paths: tuple[sections.Path, ...] = Key((), validation_alias="path")
+    mesh: sections.Mesh = sections.Mesh()
+    solver: sections.Solver = sections.Solver()
+    limit: sections.Limit = sections.Limit()
     design: Design = Design()
-    output: Output = Output()
+    output: sections.Output = sections.Output()
 
     @property
     def discretisation(self) -> Discretisation:
@@ -58,9 +42,9 @@ class SceneSections(Section):
         return "hex8" if needs_bricks else "fourier"
 
     @cached_property
-    def extent(self) -> Extent:
+    def extent(self) -> sections.Extent:
         """Radius and depth of the domain."""
-        return make_extent(self.domain, self.caisson, self.soil)
+        return sections.make_extent(self.domain, self.caisson, self.soil)
 
     @cached_property
     def ground(self) -> Ground:
@@ -73,19 +57,19 @@ class SceneSections(Section):
         return ", ".join(sorted({each.drainage_in(self.drainage.mode) for each in self.ground.strata}))
 
     @cached_property
-    def load_paths(self) -> tuple[Path, ...]:
+    def load_paths(self) -> tuple[sections.Path, ...]:
         """The paths of a run in one plane: those of the scene, then those of its fan; a pull where there are none."""
         plane = (path for path in self.paths if not path.in_space)
         found = (*plane, *fan_paths(self.springs, self.caisson))
-        return found if found or self.paths else (PAPER_PATH,)
+        return found if found or self.paths else (sections.PAPER_PATH,)
 
     @cached_property
-    def all_paths(self) -> tuple[Path, ...]:
+    def all_paths(self) -> tuple[sections.Path, ...]:
         """The paths of a run: those in one plane, then those that leave it, of the scene and of its fan."""
         own = (path for path in self.paths if path.in_space)
         return (*self.load_paths, *own, *space_paths(self.springs, self.caisson))
 
-    def vertical_load_of(self, path: Path) -> float | str:
+    def vertical_load_of(self, path: sections.Path) -> float | str:
         """Return the vertical load of a path: its own, or the caisson's (N, positive down, or "balanced")."""
         return self.caisson.vertical_load if path.vertical_load is None else path.vertical_load
 
