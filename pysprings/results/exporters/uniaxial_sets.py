@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
+from pysprings.core.loads import close_loads
+from pysprings.core.path_kinds import HELD_BACK
 from pysprings.core.variables import known_torsion
 from pysprings.macro import measures
 from pysprings.macro.comparison import along_path
@@ -284,10 +286,17 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
 
 
 def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
-    """Return a sentence for calibration and held-back paths: largest errors beside the full model, and their paths."""
+    """Return a sentence for calibration and held-back paths: largest errors beside the full model, and their paths.
+
+    Paths at another V than that of the springs count for nothing here.
+    """
     worst: dict[str, dict[str, tuple[float, str]]] = {}
+    V, elsewhere = springs.path().load, False
     for path in springs.paths.values():
         if path.is_vertical:
+            continue
+        if not close_loads(path.load, V):
+            elsewhere |= path.role == HELD_BACK
             continue
         answer = along_path(path, model)
         n = answer.sizes["step"]
@@ -308,7 +317,8 @@ def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
     for role, each in worst.items():
         parts = [f"{words} {error + 0.0:+.2f} % ({path})" if path else words for words, (error, path) in each.items()]
         lines.append(f"{what}, {role} paths, largest: {', '.join(parts) or 'no state'}")
-    return lines
+    unchecked = elsewhere and HELD_BACK not in worst
+    return [*lines, *[f"{what}: no path is held back at V = {1e-3 * V:.6g} kN"] * unchecked]
 
 
 def change_by_tables(springs: Springs, smooth: MacroModel, straight: MacroModel) -> str:

@@ -198,3 +198,14 @@ def test_the_curves_as_arrays_are_those_of_the_table() -> None:
     assert len(pysprings.beam(tree, points=7)["point"]) == 7
     with pytest.raises(UserInputError, match="not on the skirt"):
         pysprings.beam(tree, [0.5, 9.0])
+
+
+def test_the_stated_error_is_that_of_paths_at_the_v_of_the_table() -> None:
+    """Curves at 6 MN are not judged by a path that is held back at 2 MN; the calibration paths at 6 MN are left."""
+    tree = vertical_springs(heavier=(6e6,))
+    tree["paths/check"] = tree["paths/slide"].to_dataset(inherit=False).assign_attrs(role="held-back")
+    here, there = (pysprings.beam(tree, [0.5, 3.0], V=V).attrs["remarks"][:4] for V in (2e6, 6e6))
+    assert "held-back paths, largest: H" in here[0] and "(check)" in here[0] and "held-back" in here[1]
+    assert not any("check" in line or "held-back" in line for line in there)
+    assert "calibration paths, largest: H" in there[0] and "slide_6" in there[0] + there[2]
+    assert there[1].endswith("no path is held back at V = 6000 kN") and there[3].endswith("at V = 6000 kN")
