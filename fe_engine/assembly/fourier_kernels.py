@@ -70,7 +70,8 @@ class Scratch(NamedTuple):
 
 
 @njit
-def _scratch(n_waves):
+def scratch(n_waves):
+    """Return room for an element of so many slots."""
     return Scratch(
         np.empty((8, 3, n_waves)), np.empty((n_waves, 6)), np.empty((n_waves, 6)), np.empty(6), np.empty(6),
         np.empty((6, 6)),
@@ -95,7 +96,7 @@ def soil_forces(soil, old, new, regime, with_tangent, tangent, force):
     tangent, transposed, times the volume of the point. Returns -1, or the number of an element whose law did not
     converge.
     """
-    room, states, out = _scratch(soil.waves.shape[1]), (old, new), (regime, tangent, force)
+    room, states, out = scratch(soil.waves.shape[1]), (old, new), (regime, tangent, force)
     for e in range(soil.quads.shape[0]):
         gather(soil.quads[e], new.displacement, old.displacement, room.move)
         for g in range(4):
@@ -146,13 +147,13 @@ def soil_forces_of(law: np.ndarray) -> Any:
 @njit
 def plastic_product(soil, regime, tangent, x, out):
     """Add to out (n, 3, K) what the soil's tangent has beyond the elastic one, times x (n, 3, K)."""
-    room = _scratch(soil.waves.shape[1])
+    room = scratch(soil.waves.shape[1])
     for e in range(soil.quads.shape[0]):
-        _element_product(soil, e, regime[e], tangent[e], x, out, room)
+        element_product(soil, e, regime[e], tangent[e], x, out, room)
 
 
 @lean
-def _element_product(soil, e, regime, tangent, x, out, room):
+def element_product(soil, e, regime, tangent, x, out, room):
     """Add the product of one element, see `plastic_product`."""
     n_azimuths, (move, strains, stresses, strain, stress, _) = soil.waves.shape[0], room
     yields = False

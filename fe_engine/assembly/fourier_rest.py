@@ -32,7 +32,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from fe_engine.assembly.fourier_pattern import FourierPattern, held_pressures
 from fe_engine.assembly.fourier_water import FourierWater
-from fe_engine.assembly.harmonic_factors import HarmonicFactors, Near
+from fe_engine.assembly.harmonic_factors import HarmonicFactors
 from fe_engine.errors import LinearSolverError
 from fe_engine.fourier_model import FourierModel
 from fe_engine.state import Fields
@@ -45,20 +45,28 @@ class AtRest(Protocol):
     ----------
     matrix : (m, m) what the elimination leaves to the interface.
     uneven : whether rows of the interface differ in size by so much that they have to be scaled.
+    local : where the factors of the soil may be gone through apart, for few nodes; None with water, which joins all.
     """
 
     matrix: np.ndarray
     uneven: bool
+    local: Local | None
 
-    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
-        """Eliminate rhs (n_free,): return what `backward` needs, and what is left (m,) for the interface.
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+        """Eliminate rhs (n_free,): return what `backward` needs, and what is left (m,) for the interface."""
 
-        Where there is something on the nodes ``near`` alone, and the unknowns are asked for on these alone, to about
-        six digits, that may save work.
-        """
-
-    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
         """Return the unknowns (n_free,), those of the interface (m,) being known; uses up ``swept``."""
+
+
+class Local(Protocol):
+    """What stands between both ways through the factors of the soil."""
+
+    def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
+        """Return what `follow` needs, and the load (m,) of the interface, of what the factors leave (nk, 3, K)."""
+
+    def follow(self, kept: Any, interface: np.ndarray) -> np.ndarray:
+        """Return the motions (nk, 3, K) of the soil's retained nodes, the unknowns of the interface (m,) known."""
 
 
 class SoilAtRest:
@@ -67,6 +75,7 @@ class SoilAtRest:
     uneven = False
 
     def __init__(self, factors: HarmonicFactors, pattern: FourierPattern) -> None:
+        self.local: Local | None = self
         self.factors, self.shape = factors, pattern.held.shape
         self.inside = pattern.place[pattern.retained]
         self._free = self.inside >= 0
@@ -78,16 +87,24 @@ class SoilAtRest:
             free = at >= 0
             self.matrix[np.ix_(at[free], at[free])] = block[np.ix_(free, free)]
 
-    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
-        swept, left = self.factors.forward(rhs.reshape(self.shape), near)
+        swept, left = self.factors.forward(rhs.reshape(self.shape))
         return swept, left[self._free]
 
-    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
         """See `AtRest`."""
+        return self.factors.backward(swept, self.follow(None, interface)).ravel()
+
+    def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
+        """See `Local`."""
+        return None, left[self._free]
+
+    def follow(self, kept: Any, interface: np.ndarray) -> np.ndarray:
+        """See `Local`."""
         whole = np.zeros(self.inside.shape)
         whole[self._free] = interface
-        return self.factors.backward(swept, whole, near).ravel()
+        return whole
 
 
 @dataclass(frozen=True)
@@ -162,6 +179,7 @@ class WetAtRest:
     """
 
     uneven = True
+    local: Local | None = None
 
     def __init__(self, soil: WetSoil, time_step: float, sealed: bool = False) -> None:
         self.soil, self._rest = soil, soil.rest
@@ -180,8 +198,8 @@ class WetAtRest:
             self.matrix[np.ix_(at[free], at[free])] += block[np.ix_(free, free)]
             self._places.append((at[free], free))
 
-    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
-        """See `AtRest`; water joins all nodes."""
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
+        """See `AtRest`."""
         soil, factors, shape = self.soil, self._rest.factors, self._rest.shape
         n_u, n_p = int(np.prod(shape)), soil.n_soil * soil.waves
         swept, left = factors.forward(rhs[:n_u].reshape(shape))
@@ -196,8 +214,8 @@ class WetAtRest:
             interface[at] = whole[free]
         return (inner, pressure), interface
 
-    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
-        """See `AtRest`; water joins all nodes."""
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+        """See `AtRest`."""
         soil, rest = self.soil, self._rest
         inner, pressure = swept
         inside = np.zeros(rest.inside.shape)
@@ -278,7 +296,8 @@ class BesideLinear:
 
     def __init__(self, soil: AtRest, linear: LinearElements, pattern: FourierPattern) -> None:
         self.soil, self.linear = soil, linear
-        self.uneven = soil.uneven
+        self.uneven, self._local = soil.uneven, soil.local
+        self.local: Local | None = self if soil.local else None
         self._n_moving, self._joined = pattern.n_moving, pattern.beyond >= 0
         self._beyond = pattern.beyond[self._joined] - linear.first
         harmonic = pattern.interface % pattern.held.shape[2]
@@ -293,24 +312,38 @@ class BesideLinear:
             self._reduced[block] = reduced
             self.matrix[block] = soil.matrix[block] @ reduced  # A N
 
-    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[Any, np.ndarray]:
+    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
         first, n = self.linear.first, self._n_moving
-        swept, left = self.soil.forward(np.concatenate([rhs[:first], rhs[n:]]), near)
-        force = rhs[first:n].copy()
-        force[self._beyond] += left[self._joined]
-        shift = np.zeros(len(left))
-        shift[self._joined] = self.linear.move(force)[self._beyond]  # d = C (f_s + f_t)
-        return (swept, force, shift), left - self.matrix @ shift  # f_s - A N d
+        swept, left = self.soil.forward(np.concatenate([rhs[:first], rhs[n:]]))
+        kept, load = self._loaded(rhs[first:n].copy(), left)
+        return (swept, *kept), load
 
-    def backward(self, swept: Any, interface: np.ndarray, near: Near | None = None) -> np.ndarray:
+    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
         """See `AtRest`."""
         of_soil, force, shift = swept
         first = self.linear.first
         moved = self._reduced @ (interface + shift)  # u_s = N (j + d)
         force[self._beyond] -= (self.soil.matrix @ moved)[self._joined]  # q + f_t = f_s + f_t - A u_s
-        soil = self.soil.backward(of_soil, moved, near)
+        soil = self.soil.backward(of_soil, moved)
         return np.concatenate([soil[:first], self.linear.move(force), soil[first:]])
+
+    def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
+        """See `Local`."""
+        assert self._local is not None
+        return self._loaded(np.zeros(self._n_moving - self.linear.first), self._local.lead(left)[1])
+
+    def follow(self, kept: Any, interface: np.ndarray) -> np.ndarray:
+        """See `Local`."""
+        assert self._local is not None
+        return self._local.follow(None, self._reduced @ (interface + kept[1]))
+
+    def _loaded(self, force: np.ndarray, left: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+        """Return f_s + f_t and d for forces f_t on the linear elements, and the load of the interface; in place."""
+        force[self._beyond] += left[self._joined]
+        shift = np.zeros(len(left))
+        shift[self._joined] = self.linear.move(force)[self._beyond]  # d = C (f_s + f_t)
+        return (force, shift), left - self.matrix @ shift  # f_s - A N d
 
 
 def _diagonal(values: np.ndarray) -> csr_matrix:

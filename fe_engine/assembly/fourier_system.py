@@ -18,7 +18,7 @@ from fe_engine.assembly.fourier_film import FilmState
 from fe_engine.assembly.fourier_pattern import hold, make_pattern
 from fe_engine.assembly.fourier_rest import AtRest, BesideLinear, LinearElements, SoilAtRest, WetAtRest, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
-from fe_engine.assembly.harmonic_factors import HarmonicFactors, Near
+from fe_engine.assembly.harmonic_factors import HarmonicFactors
 from fe_engine.assembly.kernels import SoilState
 from fe_engine.assembly.kernels_stations import ContactState, PackedStations, no_iterate, pack_stations
 from fe_engine.clock import Clock
@@ -242,11 +242,10 @@ class FourierSystem:
         kernels.plastic_product(self.soil, tangent.regime, tangent.plastic, self.pattern.unfolded(x), out)
         return self.pattern.folded(out)
 
-    def yielding(self, tangent: FourierTangent) -> tuple[np.ndarray, Near]:
-        """Return the equations (p,) on which `plastic_product` has something and what it asks for, and their nodes."""
-        yields = (tangent.regime != REGIME_ELASTIC).any(axis=1)
-        nodes = np.unique(self.model.mesh.quads[yields])
-        return self.pattern.equation[nodes].ravel(), self.factors.near(nodes)
+    def yielding(self, tangent: FourierTangent) -> tuple[np.ndarray, np.ndarray]:
+        """Return the elements on which `plastic_product` has something, and their nodes (p,)."""
+        elements = np.flatnonzero((tangent.regime != REGIME_ELASTIC).any(axis=1))
+        return elements, np.unique(self.model.mesh.quads[elements])
 
     def contact_matrix(self, tangent: FourierTangent, out: np.ndarray | None = None) -> np.ndarray:
         """Return the tangent (m + nb, m + nb) of contact and film: equations of the interface, then the border.

@@ -10,12 +10,13 @@ and their Schur complement S on I stays, dense: whatever is added to S, a solve 
 direction. Four harmonics at a time go through the loops, as lanes of a vector; missing ones are unit matrices.
 
 Where the right-hand side has something on few nodes alone, and the unknowns are asked for on these alone, only the
-columns that these nodes depend on are gone through (Gilbert & Peierls 1988): see `Near`.
+columns that these nodes depend on are gone through (Gilbert & Peierls 1988), in single precision: see `Near`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, identity
@@ -30,16 +31,24 @@ _SYMMETRIC = {"SymmetricMode": True}
 _Group = tuple[int, int, int, np.ndarray, np.ndarray]
 
 
-@dataclass(frozen=True)
-class Near:
-    """Some nodes, and the columns of L that they depend on; solves for them go through factors in single precision.
+class Near(NamedTuple):
+    """Some nodes of the section, the columns of L that they depend on, and these factors in single precision.
 
-    node, place : (p,) nodes of the section, and where they stand in the elimination; columns : (c,) ascending.
+    number, place : (p,) 0, 1, .. and where the nodes stand in the elimination; columns : (c,) ascending, out of
+        ``eliminated`` ones.
+    group : (G, 4) first lane in use, first slot in it, number of slots, number of the factors; pointer, row : of L;
+        lower, inverse : (F, ..) its blocks and the inverted pivots.
     """
 
-    node: np.ndarray
+    number: np.ndarray
     place: np.ndarray
     columns: np.ndarray
+    eliminated: int
+    group: np.ndarray
+    pointer: np.ndarray
+    row: np.ndarray
+    lower: np.ndarray
+    inverse: np.ndarray
 
 
 class HarmonicFactors:
@@ -91,41 +100,48 @@ class HarmonicFactors:
             if self.n_waves > n_waves:
                 lane = int(first == 0)
                 self._groups.append((lane, n_waves - 1 + first + lane, len(ks) - lane, *factors))
-        self._single: list[_Group] = [
-            (lane, first, count, lower.astype(np.float32), inverse.astype(np.float32))
-            for lane, first, count, lower, inverse in self._groups
-        ]
-        self._all = Near(self._node, np.arange(n), np.arange(self._n_eliminated))
+        self._all = np.arange(n), np.arange(self._n_eliminated)
 
     def near(self, nodes: np.ndarray) -> Near:
         """Return what solves for these nodes (p,) need."""
         place = self._place[nodes]
-        return Near(nodes, place, _columns(place, self._n_eliminated, self._pointer, self._row))
+        columns = _columns(place, self._n_eliminated, self._pointer, self._row)
+        return Near(
+            np.arange(len(nodes)), place, columns, self._n_eliminated, self._single[0], self._pointer, self._row,
+            *self._single[1:],
+        )  # fmt: skip
 
-    def forward(self, rhs: np.ndarray, near: Near | None = None) -> tuple[list[np.ndarray], np.ndarray]:
-        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the retained nodes.
+    @cached_property
+    def _single(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Groups (G, 4), and their factors in single precision, see `Near`."""
+        different: dict[int, _Group] = {}
+        for each in self._groups:
+            different.setdefault(id(each[3]), each)
+        numbers = {key: number for number, key in enumerate(different)}
+        group = np.array([(*each[:3], numbers[id(each[3])]) for each in self._groups])
+        lower, inverse = (
+            np.stack([each[i] for each in different.values()], dtype=np.float32, casting="same_kind") for i in (3, 4)
+        )
+        return group, lower, inverse
 
-        Where nodes are given, there must be nothing in it on others.
-        """
-        swept, left, at = [], np.empty((len(self.retained), 3, self.n_waves)), near or self._all
-        for lane, first, count, lower, inverse in self._single if near else self._groups:
-            x = np.zeros((self._n, 3, LANES), dtype=lower.dtype)
-            _put(at.node, at.place, rhs, lane, first, count, x)
-            _forward(at.columns, self._pointer, self._row, lower, inverse, x)
+    def forward(self, rhs: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+        """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the retained nodes."""
+        swept, left, (place, columns) = [], np.empty((len(self.retained), 3, self.n_waves)), self._all
+        for lane, first, count, lower, inverse in self._groups:
+            x = np.zeros((self._n, 3, LANES))
+            put(self._node, place, rhs, lane, first, count, x)
+            forward(columns, self._pointer, self._row, lower, inverse, x)
             left[:, :, first : first + count] = x[self._n_eliminated :, :, lane : lane + count]
             swept.append(x)
         return swept, left
 
-    def backward(self, swept: list[np.ndarray], retained: np.ndarray, near: Near | None = None) -> np.ndarray:
-        """Return the unknowns (n, 3, K), those of the retained nodes (nk, 3, K) being known; uses up ``swept``.
-
-        Where nodes are given, those of others are 0.
-        """
-        out, at = np.zeros((self._n, 3, self.n_waves)), near or self._all
-        for (lane, first, count, lower, _), x in zip(self._single if near else self._groups, swept, strict=True):
+    def backward(self, swept: list[np.ndarray], retained: np.ndarray) -> np.ndarray:
+        """Return the unknowns (n, 3, K), those of the retained nodes (nk, 3, K) being known; uses up ``swept``."""
+        out, (place, columns) = np.zeros((self._n, 3, self.n_waves)), self._all
+        for (lane, first, count, lower, _), x in zip(self._groups, swept, strict=True):
             x[self._n_eliminated :, :, lane : lane + count] = retained[:, :, first : first + count]
-            _backward(at.columns, self._pointer, self._row, lower, x)
-            _take(at.node, at.place, x, lane, first, count, out)
+            backward(columns, self._pointer, self._row, lower, x)
+            take(self._node, place, x, lane, first, count, out)
         return out
 
     def _dense(self, diagonal: np.ndarray, lower: np.ndarray) -> np.ndarray:
@@ -263,7 +279,7 @@ def _columns(place, n_eliminated, pointer, row):
 
 
 @njit
-def _put(node, place, rhs, lane, first, count, x):
+def put(node, place, rhs, lane, first, count, x):
     for j in range(len(node)):
         for i in range(3):
             for k in range(count):
@@ -271,7 +287,7 @@ def _put(node, place, rhs, lane, first, count, x):
 
 
 @njit
-def _take(node, place, x, lane, first, count, out):
+def take(node, place, x, lane, first, count, out):
     for j in range(len(node)):
         for i in range(3):
             for k in range(count):
@@ -279,7 +295,7 @@ def _take(node, place, x, lane, first, count, out):
 
 
 @njit
-def _forward(columns, pointer, row, lower, inverse, x):
+def forward(columns, pointer, row, lower, inverse, x):
     """Solve with lanes written out: the compiler must assume that x and the factors share memory."""
     for j in columns:
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
@@ -303,7 +319,7 @@ def _forward(columns, pointer, row, lower, inverse, x):
 
 
 @njit
-def _backward(columns, pointer, row, lower, x):
+def backward(columns, pointer, row, lower, x):
     for j in columns[::-1]:
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
         v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]

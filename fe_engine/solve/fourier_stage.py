@@ -24,12 +24,13 @@ from scipy.linalg import lapack, solve_triangular
 
 from fe_engine.assembly.bordered import Residual
 from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
-from fe_engine.assembly.harmonic_factors import Near
 from fe_engine.clock import Clock
+from fe_engine.compiled import njit
 from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.errors import LinearSolverError
 from fe_engine.linear.preconditioner import Control, Origin
 from fe_engine.linear.recycled import control_of
+from fe_engine.solve.fourier_near import NearProduct
 from fe_engine.solve.stage import Balance
 
 # Shares of its residual within which a system is solved: of an increment as large as the ones before it, and of one
@@ -141,21 +142,29 @@ class FourierStage:
 
         Stop after a few iterations where that is not to be ``exact``; raise LinearSolverError where it is and fails.
         """
-        rows, near = self.system.yielding(tangent)
+        rows = self.system.pattern.equation[self.system.yielding(tangent)[1]].ravel()
         n, most = len(v), min(_MOST if exact else _FIRST_MODES, len(rows))
         basis, padded = np.empty((most + 1, len(rows))), np.zeros(p.size)
+
+        def product(force: np.ndarray) -> np.ndarray:
+            """Return D P^-1 force (r,) on the rows (r,) where D has something."""
+            padded[rows] = force
+            forces: np.ndarray = self.system.plastic_product(tangent, p.solve(padded)[:n])[rows]
+            return forces
+
+        if not exact and p.rest.local:
+            product = NearProduct(self.system, tangent, p.rest.local, p.interface)
         upper, turns, rhs = np.zeros((most + 1, most)), np.zeros((most, 2)), np.zeros(most + 1)
         basis[0], rhs[0] = v[rows] / size, size
         for k in range(most):
-            padded[rows] = basis[k]
-            x = p.solve(padded, None if exact else near)
-            w = basis[k] + self.system.plastic_product(tangent, x[:n])[rows]
+            w = basis[k] + product(basis[k])
             for _ in range(2):  # once is not enough in floating point
                 shares = basis[: k + 1] @ w
                 w -= shares @ basis[: k + 1]
                 upper[: k + 1, k] += shares
             upper[k + 1, k] = np.linalg.norm(w)
-            _turn(upper[:, k], turns, rhs, k)
+            if not _turn(upper[:, k], turns, rhs, k):
+                raise LinearSolverError("the tangent is singular")
             self.n_iterations += 1
             self.n_solves += 1
             if not np.isfinite(rhs[k + 1]):
@@ -184,25 +193,25 @@ class _Room:
 class Preconditioner:
     """P, inverted: elastic soil, contact of one tangent, and a border of which some motions are free.
 
-    Vectors are (n + k,): free equations, then the free motions of the border or its forces along them. size : n + k.
-    The next one of a room takes its place.
+    Vectors are (n + k,): free equations, then the free motions of the border or its forces along them. size : n + k;
+    rest : the soil at rest. The next one of a room takes its place.
     """
 
     def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control, room: _Room) -> None:
         self.n, self.control = system.pattern.n_free, control
-        self._pattern, self._rest = system.pattern, system.at_rest(tangent.time_step)
+        self._pattern, self.rest = system.pattern, system.at_rest(tangent.time_step)
         m = self._m = len(self._pattern.interface)
         whole = room.square("contact", m + system.model.n_border).T
         self._contact = contact = system.contact_matrix(tangent, whole)
         k = control.motions.shape[1]
         self.size = self.n + k
         matrix = room.square("sum", m + k)
-        np.add(self._rest.matrix, contact[:m, :m], out=matrix[:m, :m])
+        np.add(self.rest.matrix, contact[:m, :m], out=matrix[:m, :m])
         matrix[:m, m:] = contact[:m, m:] @ control.motions
         matrix[m:, :m] = control.forces.T @ contact[m:, :m]
         matrix[m:, m:] = control.forces.T @ contact[m:, m:] @ control.motions
         self._row = None
-        if self._rest.uneven:
+        if self.rest.uneven:
             largest = np.abs(matrix).max(axis=1)
             self._row = 1.0 / np.where(largest > 0.0, largest, 1.0)
             matrix *= self._row[:, None]
@@ -218,14 +227,21 @@ class Preconditioner:
         self._pattern.add_jump_forces(-imposed[:m], rhs[: self.n])
         return rhs
 
-    def solve(self, rhs: np.ndarray, near: Near | None = None) -> np.ndarray:
-        """Apply the inverse to rhs (n + k,); for ``near`` see `fourier_rest.AtRest`."""
-        swept, left = self._rest.forward(rhs[: self.n], near)
-        m, middle = self._m, np.concatenate([left, rhs[self.n :]])
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Apply the inverse to rhs (n + k,)."""
+        swept, left = self.rest.forward(rhs[: self.n])
+        middle = self._solved(np.concatenate([left, rhs[self.n :]]))
+        return np.concatenate([self.rest.backward(swept, middle[: self._m]), middle[self._m :]])
+
+    def interface(self, load: np.ndarray) -> np.ndarray:
+        """Return the unknowns (m,) of the interface under its load (m,) alone."""
+        return self._solved(np.concatenate([load, np.zeros(self.size - self.n)]))[: self._m]
+
+    def _solved(self, middle: np.ndarray) -> np.ndarray:
         if self._row is not None:
             middle *= self._row
-        middle, _ = lapack.dgetrs(self._lu, self._pivots, middle)
-        return np.concatenate([self._rest.backward(swept, middle[:m], near), middle[m:]])
+        x: np.ndarray = lapack.dgetrs(self._lu, self._pivots, middle)[0]
+        return x
 
     def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the motions (n,), (nb,) of a solution, the imposed ones included."""
@@ -239,15 +255,20 @@ class Preconditioner:
         return force
 
 
-def _turn(column: np.ndarray, turns: np.ndarray, rhs: np.ndarray, k: int) -> None:
-    """Make a column (k + 2,) of the Hessenberg matrix upper triangular by plane rotations, of which one is new."""
+@njit
+def _turn(column, turns, rhs, k):
+    """Make a column (k + 2,) of the Hessenberg matrix upper triangular by plane rotations, of which one is new.
+
+    False where the column has nothing that is new.
+    """
     for j in range(k):
         c, s = turns[j]
         column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
-    size = float(np.hypot(column[k], column[k + 1]))
+    size = np.hypot(column[k], column[k + 1])
     if size == 0.0:
-        raise LinearSolverError("the tangent is singular")
+        return False
     c, s = column[k] / size, column[k + 1] / size
     turns[k] = c, s
     column[k], column[k + 1] = size, 0.0
     rhs[k], rhs[k + 1] = c * rhs[k], -s * rhs[k]
+    return True
