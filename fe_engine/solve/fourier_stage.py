@@ -45,6 +45,7 @@ _CLOSE = 1.0e-2
 _FIRST_MODES = 15
 _MOST = 200  # iterations where the answer is to be exact; more of them show a tangent that is nearly singular
 _EXACT = 1.0e-10
+_SINGLE = 1.0e-3  # share of the loads that factors in single precision may leave before refinement
 
 
 class FourierStage:
@@ -64,7 +65,7 @@ class FourierStage:
         self.n_factorisations = self.n_solves = self.n_iterations = 0
         self.worst_residual = 0.0
         self.bounds = _BOUNDS
-        self._room = _Room({})
+        self._room = Room({})
 
     # --- Newton's questions ---
 
@@ -98,7 +99,7 @@ class FourierStage:
     ) -> tuple[np.ndarray, np.ndarray]:
         """See `linear_stage.LinearStage`."""
         control = control_of(balance.control, balance.load, balance.violation, balance.scale)
-        p = self._preconditioner(tangent, control)
+        p = self._preconditioner(tangent, control, False)
         rhs = p.right_hand_side(-linear.free, -balance.unbalanced)
         x = self._solve(p, tangent, rhs, share, None if imposed else float(np.linalg.norm(linear.free)))
         return p.motions(x)
@@ -111,14 +112,14 @@ class FourierStage:
         """Return the forces (nb,) on the border under a motion (nb,) of it."""
         nb, n = self.system.model.n_border, self.system.pattern.n_free
         none = np.zeros((nb, 0))
-        p = self._preconditioner(tangent, Control(motion, none, none))
+        p = self._preconditioner(tangent, Control(motion, none, none), True)
         x = self._solve(p, tangent, p.right_hand_side(np.zeros(n), np.zeros(nb)), _EXACT, None)
         return p.border_force(x)
 
-    def _preconditioner(self, tangent: FourierTangent, control: Control) -> Preconditioner:
+    def _preconditioner(self, tangent: FourierTangent, control: Control, precise: bool) -> Preconditioner:
         with self.clock.phase("factorisation"):
             self.n_factorisations += 1
-            return Preconditioner(self.system, tangent, control, self._room)
+            return Preconditioner(self.system, tangent, control, self._room, precise)
 
     def _solve(
         self, p: Preconditioner, tangent: FourierTangent, rhs: np.ndarray, share: float, size: float | None
@@ -178,7 +179,7 @@ class FourierStage:
 
 
 @dataclass(frozen=True)
-class _Room:
+class Room:
     """Arrays that serve one step after the other: fresh pages of memory cost as much as the factorisation."""
 
     arrays: dict[tuple[str, int], np.ndarray]
@@ -194,10 +195,13 @@ class Preconditioner:
     """P, inverted: elastic soil, contact of one tangent, and a border of which some motions are free.
 
     Vectors are (n + k,): free equations, then the free motions of the border or its forces along them. size : n + k;
-    rest : the soil at rest. The next one of a room takes its place.
+    rest : the soil at rest; single : whether the factors are in single precision. The next one of a room takes its
+    place.
     """
 
-    def __init__(self, system: FourierSystem, tangent: FourierTangent, control: Control, room: _Room) -> None:
+    def __init__(
+        self, system: FourierSystem, tangent: FourierTangent, control: Control, room: Room, precise: bool
+    ) -> None:
         self.n, self.control = system.pattern.n_free, control
         self._pattern, self.rest = system.pattern, system.at_rest(tangent.time_step)
         m = self._m = len(self._pattern.interface)
@@ -210,14 +214,25 @@ class Preconditioner:
         matrix[:m, m:] = contact[:m, m:] @ control.motions
         matrix[m:, :m] = control.forces.T @ contact[m:, :m]
         matrix[m:, m:] = control.forces.T @ contact[m:, m:] @ control.motions
-        self._row = None
+        self._row, self._matrix = None, matrix
         if self.rest.uneven:
             largest = np.abs(matrix).max(axis=1)
             self._row = 1.0 / np.where(largest > 0.0, largest, 1.0)
             matrix *= self._row[:, None]
-        self._lu, self._pivots, wrong = lapack.dgetrf(matrix, overwrite_a=True)
-        if wrong:
-            raise LinearSolverError("the interface is singular")
+        self._factorise(not (precise or self.rest.uneven))
+
+    def _factorise(self, single: bool) -> None:
+        """Factorise what the interface and the border are left with; see `_solved` for single precision."""
+        self.single = single
+        if single:
+            matrix = self._matrix.astype(np.float32)
+            self._lu, self._pivots, wrong = lapack.sgetrf(matrix, overwrite_a=True)
+            if wrong:
+                self._factorise(False)
+        else:
+            self._lu, self._pivots, wrong = lapack.dgetrf(self._matrix, overwrite_a=True)
+            if wrong:
+                raise LinearSolverError("the interface is singular")
 
     def right_hand_side(self, free: np.ndarray, border: np.ndarray) -> np.ndarray:
         """Return the right-hand side (n + k,) of forces (n,), (nb,), less those of the imposed motions."""
@@ -234,13 +249,28 @@ class Preconditioner:
         return np.concatenate([self.rest.backward(swept, middle[: self._m]), middle[self._m :]])
 
     def interface(self, load: np.ndarray) -> np.ndarray:
-        """Return the unknowns (m,) of the interface under its load (m,) alone."""
-        return self._solved(np.concatenate([load, np.zeros(self.size - self.n)]))[: self._m]
+        """Return the unknowns (m,) of the interface under its load (m,) alone, unrefined."""
+        return self._applied(np.concatenate([load, np.zeros(self.size - self.n)]))[: self._m]
 
-    def _solved(self, middle: np.ndarray) -> np.ndarray:
+    def _solved(self, load: np.ndarray) -> np.ndarray:
+        """Return the unknowns (m + k,) under loads (m + k,), those of single precision refined once (Wilkinson 1963).
+
+        Where they leave too much of the loads, single precision does not do: factorise in double precision.
+        """
         if self._row is not None:
-            middle *= self._row
-        x: np.ndarray = lapack.dgetrs(self._lu, self._pivots, middle)[0]
+            load = load * self._row
+        x = self._applied(load)
+        if not self.single:
+            return x
+        left = load - self._matrix @ x
+        if np.linalg.norm(left) <= _SINGLE * np.linalg.norm(load):
+            return x + self._applied(left)
+        self._factorise(False)
+        return self._applied(load)
+
+    def _applied(self, load: np.ndarray) -> np.ndarray:
+        solve = lapack.sgetrs if self.single else lapack.dgetrs
+        x: np.ndarray = solve(self._lu, self._pivots, load)[0].astype(float, copy=False)
         return x
 
     def motions(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

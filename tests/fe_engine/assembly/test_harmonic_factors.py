@@ -53,22 +53,6 @@ def test_solves_equal_dense_ones_whatever_is_added_to_the_kept_nodes(n_waves):
         np.testing.assert_allclose(found[..., k].ravel(), wanted, rtol=1e-9, atol=1e-12)
 
 
-def test_solves_near_few_nodes_are_those_of_all_in_single_precision():
-    elements, stiffness, held, _ = problem(6)
-    factors = HarmonicFactors(elements, np.array([7, 3, 20, 12]), stiffness, held)
-    nodes = np.array([0, 1, 7])
-    near = factors.near(nodes)
-    assert 2 <= len(near.columns) < len(held) - 4
-    rng = np.random.default_rng(1)
-    rhs, inside = np.zeros(held.shape), rng.normal(size=(4, 3, 6))
-    rhs[nodes] = rng.normal(size=(3, 3, 6))
-    (all_swept, all_left), (swept, left) = factors.forward(rhs), factors.forward(rhs, near)
-    np.testing.assert_allclose(left, all_left, rtol=1e-4, atol=1e-5)
-    wanted, found = factors.backward(all_swept, inside), factors.backward(swept, inside, near)
-    np.testing.assert_allclose(found[nodes], wanted[nodes], rtol=1e-4, atol=1e-5)
-    assert not np.delete(found, nodes, axis=0).any()
-
-
 def test_the_schur_complement_is_what_elimination_leaves():
     elements, stiffness, held, matrices = problem(1)
     kept = np.array([0, 9])

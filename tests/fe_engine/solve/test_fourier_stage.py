@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: MIT
+"""What GMRES asks of a Fourier model, and the factors of its interface."""
+
+import numpy as np
+import pytest
+
+from fe_engine.linear.preconditioner import Control
+from fe_engine.solve.fourier_near import NearProduct
+from fe_engine.solve.fourier_stage import Preconditioner, Room
+from tests.support.fourier_models import disc, moved, on_plate
+from tests.support.models import replace
+
+SOFT = (1.0e8, 5.0e7, 0.02)
+
+
+def preconditioner(system, tangent, precise):
+    nb = system.model.n_border
+    free = np.eye(nb)[:, 1:]
+    return Preconditioner(system, tangent, Control(np.zeros(nb), free, free), Room({}), precise)
+
+
+@pytest.mark.parametrize(("harmonics", "whole", "body"), [
+    (2, False, lambda model: model), (5, False, lambda model: model), (2, True, lambda model: model),
+    (4, True, lambda model: model), (2, False, on_plate), (2, True, on_plate),
+])  # fmt: skip
+def test_products_near_what_yields_are_those_of_the_whole(harmonics, whole, body):
+    system, state, rng = moved(body(disc(harmonics, contact=SOFT, skew=True, whole=whole)))
+    _, _, tangent = system.linearise(state, True)
+    p, (_, nodes) = preconditioner(system, tangent, True), system.yielding(tangent)
+    rows = system.pattern.equation[nodes].ravel()
+    force = np.where(system.pattern.held[nodes].ravel(), 0.0, rng.normal(size=len(rows)))
+    padded = np.zeros(p.size)
+    padded[rows] = force
+    whole_product = system.plastic_product(tangent, p.solve(padded)[: system.pattern.n_moving])
+    near = NearProduct(system, tangent, p.rest.local, p.interface)
+    for _ in range(2):  # the second time with what the first one left in its arrays
+        found = near(force)
+    np.testing.assert_allclose(found, whole_product[rows], rtol=0, atol=1e-4 * np.abs(whole_product).max())
+    assert np.abs(np.delete(whole_product, rows)).max(initial=0.0) == 0.0
+
+
+@pytest.mark.parametrize(("stiffer", "single"), [(1.0, True), (1e3, True), (1e8, False)])
+def test_single_precision_is_refined_and_left_where_it_does_not_do(stiffer, single):
+    system, state, rng = moved(disc(2, contact=SOFT, skew=True))
+    _, _, tangent = system.linearise(state, True)
+    scale = np.where(np.arange(len(tangent.contact)) % 2, 1.0, stiffer)  # of every other station
+    tangent = replace(tangent, contact=tangent.contact * scale[:, None, None])
+    exact, p = (preconditioner(system, tangent, precise) for precise in (True, False))
+    rhs = rng.normal(size=exact.size)
+    rhs[: system.pattern.n_free][system.pattern.held.ravel()] = 0.0
+    wanted, found = exact.solve(rhs), p.solve(rhs)
+    assert p.single is single
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
