@@ -88,15 +88,42 @@ def write_tree(tree: xr.DataTree, path: str | os.PathLike[str]) -> Path:
     Raises ResourceError: the file cannot be written; the disk may be full.
     """
     groups = {node.path: _storable(node.to_dataset(inherit=False)) for node in tree.subtree}
-    clean = xr.DataTree.from_dict(groups)
-    encoding = {name: _encoding(dataset) for name, dataset in groups.items()}
     with uninterrupted(), replacing(path) as temporary:
         try:
-            clean.to_netcdf(temporary, engine="netcdf4", format="NETCDF4", encoding=encoding)
+            _write_groups(groups, temporary)
             seal(temporary)
         except (RuntimeError, OSError) as error:  # what the C libraries make of a full disk
             raise _unwritable(Path(path), error) from error
     return Path(path)
+
+
+class _Later:
+    """Writer of a store that keeps arrays until all of a file is defined."""
+
+    def __init__(self) -> None:
+        self.parts: list[tuple[Any, Any]] = []
+
+    def add(self, source: Any, target: Any, region: Any = None) -> None:
+        """Keep what goes to a variable."""
+        self.parts.append((source, target))
+
+
+def _write_groups(groups: dict[str, xr.Dataset], path: Path) -> None:
+    """Define all variables, then write their values: the C library goes through a whole file at each change between."""
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
+    from xarray.conventions import encode_dataset_coordinates
+
+    later = _Later()
+    with netCDF4.Dataset(os.fspath(path), "w", format="NETCDF4") as file:
+        for name, dataset in groups.items():
+            variables, attributes = encode_dataset_coordinates(dataset)
+            for variable, options in _encoding(dataset).items():
+                variables[variable].encoding = options
+            store = NetCDF4DataStore(file if name == "/" else file.createGroup(name))
+            store.store(variables, attributes, writer=later)
+        for source, target in later.parts:
+            target[...] = source
 
 
 def write_attribute(name: str, text: str, path: str | os.PathLike[str]) -> None:
