@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fe_engine.assembly import fourier_kernels as kernels
-from fe_engine.assembly import harmonic_factors as factors
+from fe_engine.assembly import fourier_kernels as kernels, harmonic_factors as factors
 from fe_engine.assembly.fourier_rest import Local
 from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
 from fe_engine.compiled import njit
