@@ -24,12 +24,9 @@ LOWEST_TESTS := $(addprefix tests/pysprings/,scene/test_load.py core/test_units.
 	$(addprefix results/test_,tables.py exporters.py plots.py report.py))
 
 # uv takes a quarter of pip's time; pip where uv is not to be had
-comma := ,
-define install
-	{ $(BIN)/python -m pip install --quiet --disable-pip-version-check "uv>=0.8" && \
-		$(BIN)/uv pip install --quiet --python $(BIN)/python -e "$(1)"; } || \
-		$(BIN)/python -m pip install --quiet --disable-pip-version-check -e "$(1)"
-endef
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+UV := $(BIN)/uv pip install --quiet --python $(BIN)/python
+install = get() { { $(PIP) "uv>=0.8" && $(UV) -e "$$1"; } || $(PIP) -e "$$1"; }; get
 
 # pages of an earlier run of the gallery stay as they are; GALLERY=1 runs the examples whose text has changed
 SPHINX = $(BIN)/python -m sphinx -b html -q -W --keep-going docs out/site
@@ -42,7 +39,7 @@ run: $(STAMP)
 
 # what is not open software, for tests that compare with it; without them these are skipped
 extras: $(DEV)
-	$(call install,.[dev$(comma)mkl$(comma)opensees])
+	$(install) ".[dev,mkl,opensees]"
 
 site: $(DOCS)
 	rm -rf docs/reference/api
@@ -176,15 +173,15 @@ $(VENV)/pyvenv.cfg:
 	$(PYTHON) -m venv $(VENV)
 
 $(STAMP): pyproject.toml | $(VENV)/pyvenv.cfg
-	$(call install,.)
+	$(install) .
 	@touch $(STAMP)
 
 $(DEV): pyproject.toml | $(VENV)/pyvenv.cfg
-	$(call install,.[dev])
+	$(install) ".[dev]"
 	@touch $(STAMP) $(DEV)
 
 $(DOCS): pyproject.toml | $(VENV)/pyvenv.cfg
-	$(call install,.[docs])
+	$(install) ".[docs]"
 	@touch $(STAMP) $(DOCS)
 
 clean:
