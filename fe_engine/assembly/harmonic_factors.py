@@ -280,6 +280,7 @@ def _columns(place, n_eliminated, pointer, row):
 
 @njit
 def put(node, place, rhs, lane, first, count, x):
+    """Write rows of nodes of rhs (n, 3, K), ``count`` slots from ``first`` on, at their places in the lanes of x."""
     for j in range(len(node)):
         for i in range(3):
             for k in range(count):
@@ -288,6 +289,7 @@ def put(node, place, rhs, lane, first, count, x):
 
 @njit
 def take(node, place, x, lane, first, count, out):
+    """Write rows at these places of x to the nodes of out (n, 3, K): the way back of `put`."""
     for j in range(len(node)):
         for i in range(3):
             for k in range(count):
@@ -296,7 +298,7 @@ def take(node, place, x, lane, first, count, out):
 
 @njit
 def forward(columns, pointer, row, lower, inverse, x):
-    """Solve with lanes written out: the compiler must assume that x and the factors share memory."""
+    """Solve with L, then with the pivots; lanes are written out: the arrays might share memory."""
     for j in columns:
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
         v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]
@@ -320,6 +322,7 @@ def forward(columns, pointer, row, lower, inverse, x):
 
 @njit
 def backward(columns, pointer, row, lower, x):
+    """Solve with the transpose of L, columns backwards; lanes are written out as in `forward`."""
     for j in columns[::-1]:
         u0, u1, u2, u3 = x[j, 0, 0], x[j, 0, 1], x[j, 0, 2], x[j, 0, 3]
         v0, v1, v2, v3 = x[j, 1, 0], x[j, 1, 1], x[j, 1, 2], x[j, 1, 3]

@@ -34,14 +34,16 @@ class _Yielding(NamedTuple):
 class NearProduct:
     """Products D P^-1 v for forces v (p 3 K,) on the nodes of elements that yield.
 
+    yielding : these elements, and their nodes (p,), ascending.
     rest, interface : the soil at rest, and what solves for the interface under its load (m,) alone.
     """
 
     def __init__(
-        self, system: FourierSystem, tangent: FourierTangent, rest: Local, interface: Callable[[np.ndarray], np.ndarray]
-    ) -> None:
+        self, system: FourierSystem, tangent: FourierTangent, yielding: tuple[np.ndarray, np.ndarray], rest: Local,
+        interface: Callable[[np.ndarray], np.ndarray],
+    ) -> None:  # fmt: skip
         pattern, quads = system.pattern, system.model.mesh.quads
-        elements, nodes = system.yielding(tangent)
+        elements, nodes = yielding
         number = np.zeros(system.model.mesh.n_nodes, dtype=np.int64)
         number[nodes] = np.arange(len(nodes))
         self._rest, self._interface, self._near = rest, interface, system.factors.near(nodes)
@@ -68,6 +70,7 @@ class NearProduct:
 @njit
 def _down(near, force, swept, left):
     """Eliminate forces (p, 3, K): write what is left (nk, 3, K) for the retained nodes, and keep the way (G, n, ..)."""
+    inside = np.arange(len(left))
     for g in range(len(near.group)):
         lane, first, count, number = near.group[g]
         x = swept[g]
@@ -76,22 +79,17 @@ def _down(near, force, swept, left):
         x[near.eliminated :] = 0.0
         factors.put(near.number, near.place, force, lane, first, count, x)
         factors.forward(near.columns, near.pointer, near.row, near.lower[number], near.inverse[number], x)
-        for j in range(len(left)):
-            for i in range(3):
-                for k in range(count):
-                    left[j, i, first + k] = x[near.eliminated + j, i, lane + k]
+        factors.take(inside, near.eliminated + inside, x, lane, first, count, left)
 
 
 @njit
 def _up(near, retained, swept, motion):
     """Write the motions (p, 3, K) from those of the retained nodes (nk, 3, K) and what `_down` kept."""
+    inside = np.arange(len(retained))
     for g in range(len(near.group)):
         lane, first, count, number = near.group[g]
         x = swept[g]
-        for j in range(len(retained)):
-            for i in range(3):
-                for k in range(count):
-                    x[near.eliminated + j, i, lane + k] = retained[j, i, first + k]
+        factors.put(inside, near.eliminated + inside, retained, lane, first, count, x)
         factors.backward(near.columns, near.pointer, near.row, near.lower[number], x)
         factors.take(near.number, near.place, x, lane, first, count, motion)
 

@@ -143,7 +143,8 @@ class FourierStage:
 
         Stop after a few iterations where that is not to be ``exact``; raise LinearSolverError where it is and fails.
         """
-        rows = self.system.pattern.equation[self.system.yielding(tangent)[1]].ravel()
+        yielding = self.system.yielding(tangent)
+        rows = self.system.pattern.equation[yielding[1]].ravel()
         n, most = len(v), min(_MOST if exact else _FIRST_MODES, len(rows))
         basis, padded = np.empty((most + 1, len(rows))), np.zeros(p.size)
 
@@ -154,7 +155,7 @@ class FourierStage:
             return forces
 
         if not exact and p.rest.local:
-            product = NearProduct(self.system, tangent, p.rest.local, p.interface)
+            product = NearProduct(self.system, tangent, yielding, p.rest.local, p.interface)
         upper, turns, rhs = np.zeros((most + 1, most)), np.zeros((most, 2)), np.zeros(most + 1)
         basis[0], rhs[0] = v[rows] / size, size
         for k in range(most):
