@@ -298,7 +298,8 @@ def linear_contact(s, old, new, iterate, free, border):
         guess_traction(iterate, k, new.traction[k], jump, guess)  # tau_k of Hueeber et al. 2008 at the present jump
         slide = Slide(jump, jump_old, old.traction[k], s.initial_pressure[k])
         linearise_contact(s.law[k], s.parameters[k], slide, guess, iterate.traction[k], iterate.tangent[k])
-        iterate.jump[k, :] = jump
+        for i in range(3):
+            iterate.jump[k, i] = jump[i]
         _add_traction(s, k, iterate.traction[k], free, border)
 
 

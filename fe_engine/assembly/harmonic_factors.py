@@ -105,7 +105,8 @@ class HarmonicFactors:
     def near(self, nodes: np.ndarray) -> Near:
         """Return what solves for these nodes (p,) need."""
         place = self._place[nodes]
-        columns = _columns(place, self._n_eliminated, self._pointer, self._row)
+        met = _on_the_way(place, self._n_eliminated, self._pointer, self._row)
+        columns = np.flatnonzero(met[: self._n_eliminated])
         return Near(
             np.arange(len(nodes)), place, columns, self._n_eliminated, self._single[0], self._pointer, self._row,
             *self._single[1:],
@@ -218,8 +219,11 @@ def _factorise(n_eliminated, pointer, row, diagonal, lower, inverse):
             if not _invert(diagonal[j, :, :, k], inverse[j, :, :, k]):
                 return False
         start, end = pointer[j], pointer[j + 1]
-        column[: end - start] = lower[start:end]
         for p in range(start, end):
+            for r in range(3):
+                for c in range(3):
+                    for k in range(LANES):  # one by one: what Numba has for slices takes seconds to compile
+                        column[p - start, r, c, k] = lower[p, r, c, k]
             for r in range(3):
                 for c in range(3):
                     for k in range(LANES):
@@ -267,15 +271,16 @@ def _invert(a, out):
 
 
 @njit
-def _columns(place, n_eliminated, pointer, row):
-    """Return the eliminated columns (c,), ascending, that meet the unknowns at these places on their way."""
+def _on_the_way(place, n_eliminated, pointer, row):
+    """Return whether unknowns (n,) are on the way of those at these places through the eliminated columns."""
     met = np.zeros(len(pointer) - 1, dtype=np.bool_)
-    met[place] = True
+    for p in place:
+        met[p] = True
     for j in range(n_eliminated):
         if met[j]:
             for p in range(pointer[j], pointer[j + 1]):
                 met[row[p]] = True
-    return np.flatnonzero(met[:n_eliminated])
+    return met
 
 
 @njit

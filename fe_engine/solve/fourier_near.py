@@ -55,22 +55,22 @@ class NearProduct:
         self._motion = np.empty((len(nodes), 3, waves))
         self._swept = np.empty((len(self._near.group), system.model.n_soil, 3, factors.LANES), dtype=np.float32)
         self._left = np.empty((len(system.factors.retained), 3, waves))
+        self._inside = np.arange(len(self._left))
 
     def __call__(self, force: np.ndarray) -> np.ndarray:
         """Return the product for forces (p 3 K,) N."""
-        _down(self._near, force.reshape(self._motion.shape), self._swept, self._left)
+        _down(self._near, self._inside, force.reshape(self._motion.shape), self._swept, self._left)
         kept, load = self._rest.lead(self._left)
-        inside = self._rest.follow(kept, self._interface(load))
-        _up(self._near, inside, self._swept, self._motion)
+        known = self._rest.follow(kept, self._interface(load))
+        _up(self._near, self._inside, known, self._swept, self._motion)
         out = np.zeros(self._motion.shape)
         _product(self._yielding, self._motion, out)
         return out.ravel()
 
 
 @njit
-def _down(near, force, swept, left):
+def _down(near, inside, force, swept, left):
     """Eliminate forces (p, 3, K): write what is left (nk, 3, K) for the retained nodes, and keep the way (G, n, ..)."""
-    inside = np.arange(len(left))
     for g in range(len(near.group)):
         lane, first, count, number = near.group[g]
         x = swept[g]
@@ -83,9 +83,8 @@ def _down(near, force, swept, left):
 
 
 @njit
-def _up(near, retained, swept, motion):
+def _up(near, inside, retained, swept, motion):
     """Write the motions (p, 3, K) from those of the retained nodes (nk, 3, K) and what `_down` kept."""
-    inside = np.arange(len(retained))
     for g in range(len(near.group)):
         lane, first, count, number = near.group[g]
         x = swept[g]

@@ -29,6 +29,7 @@ _WARM_UP: dict[str, dict[str, Any]] = {
     "mesh": {"preset": "coarse", "refinement": 0.4, "azimuth": None},
     "solver": {"max_step_fraction": 0.5},
 }
+_SHORT = 0.1  # of the reach: soil yields and contact slides there
 
 
 @dataclass(frozen=True)
@@ -105,9 +106,10 @@ _NOT_CONVERGED = "not converged: "
 
 
 def warm_up_scene(scene: Scene, kind: str) -> Scene:
-    """Return a scene on a small mesh of a discretisation with large steps: it needs the same compiled code."""
+    """Return a scene on a small mesh of a discretisation, its fan short and with large steps: it needs the same code."""
     mesh = _WARM_UP["mesh"] | {"discretisation": kind, "harmonics": None}
-    return scene.replace(**_WARM_UP | {"mesh": mesh})
+    fan = {} if scene.springs.reach is None else {"springs": {"reach": _SHORT * scene.springs.reach}}
+    return scene.replace(**_WARM_UP | {"mesh": mesh} | fan)
 
 
 def _warm_up(scene: Scene, kind: str, folder: Path, report: Progress, run: Run) -> None:
