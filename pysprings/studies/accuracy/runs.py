@@ -106,10 +106,10 @@ _NOT_CONVERGED = "not converged: "
 
 
 def warm_up_scene(scene: Scene, kind: str) -> Scene:
-    """Return a scene on a small mesh of a discretisation, its fan short and with large steps: it needs the same code."""
+    """Return a scene on a small mesh of a discretisation, its fan short, its steps large: it needs the same code."""
     mesh = _WARM_UP["mesh"] | {"discretisation": kind, "harmonics": None}
-    fan = {} if scene.springs.reach is None else {"springs": {"reach": _SHORT * scene.springs.reach}}
-    return scene.replace(**_WARM_UP | {"mesh": mesh} | fan)
+    reach = None if scene.springs.reach is None else _SHORT * scene.springs.reach
+    return scene.replace(**_WARM_UP | {"mesh": mesh, "springs": {"reach": reach}})
 
 
 def _warm_up(scene: Scene, kind: str, folder: Path, report: Progress, run: Run) -> None:
