@@ -9,15 +9,17 @@ import traceback
 import warnings
 from collections.abc import Callable
 from contextvars import ContextVar
+from dataclasses import replace
 from typing import Any, ParamSpec
 
 import typer
 
-from pysprings.cli.support import LOG, to_stderr
+from pysprings.cli.support import LOG, OPTIONS, to_stderr
 from pysprings.core import errors
 
 P = ParamSpec("P")
 
+OTHER_NAMES = {"springs_kind": "--springs", "n": "--points"}  # arguments of Python and their options
 OURS = ("", "pysprings", "fe_engine")
 DEBUG: ContextVar[bool] = ContextVar("debug", default=False)  # `pysprings --debug`
 
@@ -41,11 +43,25 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         except (Exception, KeyboardInterrupt) as error:
             if DEBUG.get():
                 traceback.print_exc()
-            text, code = explained(error)
+            text, code = explained(as_typed(error))
             to_stderr(text)
             raise typer.Exit(code) from None
 
     return run
+
+
+def as_typed(error: BaseException) -> BaseException:
+    """Return an error of user input whose keys, where they are arguments of Python, are the options of this command."""
+    options = OPTIONS.get()
+    if not isinstance(error, errors.UserInputError):
+        return error
+    typed = {name[2:].replace("-", "_"): name for name in options if name != "--springs"}  # springs: the argument
+    typed |= {key: name for key, name in OTHER_NAMES.items() if name in options}
+    problems = [
+        replace(each, key=typed.get(each.key, each.key)) if each.key and each.file is None else each
+        for each in error.problems
+    ]
+    return type(error)(problems)
 
 
 def explained(error: BaseException) -> tuple[str, int]:

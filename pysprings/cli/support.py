@@ -25,6 +25,7 @@ from pysprings.core.text import json_text, plain_table, suggestion
 from pysprings.core.version import __version__
 
 WRONG: list[Problem] = []  # faults of options that read quantities, of the command line that is parsed
+OPTIONS: ContextVar[frozenset[str]] = ContextVar("options", default=frozenset())  # of the command, with their dashes
 LOG: ContextVar[Path | None] = ContextVar("log", default=None)  # of `pysprings run --log`
 
 
@@ -144,6 +145,7 @@ class Once(TyperCommand):
         """Parse the arguments; end with the code of user input where an option stands twice or is no quantity."""
         given = [text.partition("=")[0] for text in (args[: args.index("--")] if "--" in args else args)]
         WRONG.clear()
+        OPTIONS.set(frozenset(name for param in self.params for name in param.opts if name.startswith("--")))
         for param in self.params:
             names = [name for name in param.opts if name.startswith("-")]
             single = not getattr(param, "multiple", False) and not getattr(param, "is_flag", False)

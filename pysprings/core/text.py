@@ -39,14 +39,16 @@ def _real(value: float, digits: int) -> str:
     return f"{value + 0.0:.{digits}g}"  # + 0.0 turns -0.0 into 0.0
 
 
-def with_prefix(value: float, unit: str) -> str:
-    """Return a value in SI, four figures, with the prefix k, M or G of its unit: M from 0.1 to 10,000.
+def with_prefix(value: float, unit: str, digits: int = 4) -> str:
+    """Return a value in SI, some figures, with the prefix k, M or G of its unit: M from 0.1 to 10,000, none below 1.
 
-    >>> with_prefix(8.249e10, "N m/rad"), with_prefix(-7.921e9, "N/rad"), with_prefix(5.0e4, "N/m")
-    ('82.49 GN m/rad', '-7921 MN/rad', '50 kN/m')
+    >>> with_prefix(8.249e10, "N m/rad"), with_prefix(-7.921e9, "N/rad"), with_prefix(5.0e4, "N/m"), with_prefix(0, "N")
+    ('82.49 GN m/rad', '-7921 MN/rad', '50 kN/m', '0 N')
     """
-    letter, scale = ("G", 1e9) if abs(value) >= 1e10 else ("k", 1e3) if abs(value) < 1e5 else ("M", 1e6)
-    return f"{value / scale:.4g} {letter}{unit}"
+    size = abs(value)
+    steps = (("G", 1e9, 1e10), ("M", 1e6, 1e5), ("k", 1e3, 1.0), ("", 1.0, -1.0))
+    letter, scale = next((letter, scale) for letter, scale, least in steps if not size < least)
+    return f"{_real(float(value) / scale, digits)} {letter}{unit}"
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

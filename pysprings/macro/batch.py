@@ -133,7 +133,7 @@ def answer_from_all_sides(
     space: the springs in space of this choice, where the caller has them; else they are looked for.
 
     Cases with T or a moment across are answered by springs in space where there are any (`in_space` 1), each in
-    proportion from rest: u and rotation are sizes of vectors, w and stiffness NaN; `unchecked`, `torsion_apart` mark it
+    proportion from rest: u and rotation are sizes of vectors, stiffness is NaN; `unchecked`, `torsion_apart` mark it
     as a sequence. Their utilisation and capacities are those of H and M in the plane of H. What is beyond a limit
     load there, or beyond the vertical springs, has no answer. `plane_difference_pct`: difference of springs in space
     from the springs in one plane under that H and M. Without springs in space the part in the plane is answered.
@@ -163,7 +163,7 @@ def _by_space(
         why[marks & (why == "")] = text
     answered = why == ""
     own["u"], own["rotation"] = np.hypot(own["u_x"], own["u_y"]), np.hypot(own["rot_x"], own["rot_y"])
-    own |= {name: np.where(answered, own[name], np.nan) for name in ("u", "rotation", *SPACE_TURNS)}
+    own |= {name: np.where(answered, own[name], np.nan) for name in ("u", "w", "rotation", *SPACE_TURNS)}
     own |= {name: np.zeros(len(rows), dtype=np.int8) for name in ("off_path", "past_peak") if name in found}
     own |= {"answered": answered, "converged": answered, "why_not": why, "in_space": np.ones(len(rows), dtype=np.int8)}
     own["plane_difference_pct"] = _difference(found.isel(case=rows), space, V[rows])

@@ -90,7 +90,7 @@ class MacroModel:
         remarks = tuple(_remarks(chosen, spring_set, response, ends))
         return cls(
             response, spring_set.name, chosen.stiffness, attrs, remarks, vertical, settled, ends,
-            _elastic_loads(given), tuple(chosen.paths[name] for name in response.sources),
+            elastic_loads(given), tuple(chosen.paths[name] for name in response.sources),
         )  # fmt: skip
 
     @classmethod
@@ -215,7 +215,7 @@ def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapp
         yield NO_ENDS
 
 
-def _elastic_loads(springs: Springs) -> tuple[float, float]:
+def elastic_loads(springs: Springs) -> tuple[float, float]:
     """Return the vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.capacity`)."""
     loads = [each.V for each in springs.load_sets] or [springs.path().load]
     return min(loads) - abs(min(loads)), max(loads) + abs(max(loads))

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.text import with_prefix
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.solver import ROWS, SpringArrays, follow, reactions, row_values, solve_cases, tangents
 from pysprings.macro.ways import Along, Control, Limit, ending, equations, range_limit, turns
@@ -242,13 +243,13 @@ class Response(Protocol):
 
 def other_load(origin: SpringPath, V: Array) -> str:
     """Return words for vertical loads [N] that are not that of a path."""
-    return f"V = {list_of(V)} N is not that of path '{origin.name}' ({origin.load:.7g} N): "
+    return f"V = {list_of(V)} is not that of path '{origin.name}' ({with_prefix(origin.load, 'N', 6)}): "
 
 
 def list_of(V: Array) -> str:
     """Return the first three of different loads [N] in words."""
     values = np.unique(V)
-    return ", ".join(f"{value:.7g}" for value in values[:3]) + (" ..." if values.size > 3 else "")
+    return ", ".join(with_prefix(value, "N", 6) for value in values[:3]) + (" ..." if values.size > 3 else "")
 
 
 # States farther than this from the calibration path, relative to their size, are marked off_path.
@@ -378,7 +379,10 @@ def past_peak(table: SpringTable, states: Array) -> tuple[Marks, list[str]]:
     if not marks.any():
         return marks, []
     row = int(np.flatnonzero(past.any(axis=0))[0])
-    place = f"{table.name[row]} at {table.depth[row]:g} m falls from {peak[row]:.4g} to {lowest[row]:.4g}"
+    name = str(table.name[row])
+    unit = {"p": "N/m", "m": "N m/m"}.get(name, "N m" if name.startswith("M") else "N")
+    high, low = (with_prefix(float(each[row]), unit) for each in (peak, lowest))
+    place = f"{name} at {table.depth[row]:g} m falls from {high} to {low}"
     return marks, [
         f"{marks.sum()} of {len(states)} states are beyond the peak of a curve that softens ({place}): "
         "the equilibrium found there is one of several, and under a load it may not be stable"

@@ -118,7 +118,7 @@ class SpaceAnswers:
 
         V [N] is NaN for that of the springs. Without an equilibrium motions are NaN, and `converged` is 0.
         """
-        out = {name: np.full(len(pushes), np.nan) for name in (*SPACE_TURNS, "range_used")}
+        out = {name: np.full(len(pushes), np.nan) for name in (*SPACE_TURNS, "w", "range_used")}
         out |= {name: np.zeros(len(pushes), dtype=np.int8) for name in _MARKS}
         for k, push in enumerate(pushes):
             found = self.answer("load", push[None], None if np.isnan(V[k]) else V[[k]])

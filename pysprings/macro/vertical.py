@@ -21,7 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.loads import same_load
+from pysprings.core.loads import close_loads, same_load
+from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath
@@ -32,6 +33,8 @@ Array = NDArray[np.float64]
 BISECTIONS = 60
 # A curve whose last step is less than this share of its initial stiffness carries no more: V has reached its capacity
 FLAT = 1e-3
+# of loads at equal motion by the chord towards the end; a parabola V (1 - V/V_e), as of sand, loses half of it, 10 %
+LOST_NEAR = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +59,11 @@ class Branch:
     def end(self) -> tuple[float, float]:
         """Largest x [m] and its V [N]."""
         return float(self.x[-1]), float(self.r[-1, -1])
+
+    @property
+    def largest(self) -> float:
+        """Largest V [N] in its direction."""
+        return self.sign * float((self.sign * self.r[-1]).max())
 
     def at(self, x: float) -> tuple[Array, Array]:
         """Return all reactions (rows,) and their slopes dr/dx at one x [m]; the last step goes on beyond the end."""
@@ -178,7 +186,27 @@ class VerticalTable:
     def limits(self) -> str:
         """Return words for the V [N] that the known directions carry within their calibrated range."""
         ends = sorted([self.rest[1], *(branch.end[1] for branch in self.branches)])
-        return f"V from {ends[0]:.4g} to {ends[-1]:.4g} N"
+        return f"V from {with_prefix(ends[0], 'N')} to {with_prefix(ends[-1], 'N')}"
+
+
+def share_left(table: VerticalTable | None, V: Array, own: Array) -> Array:
+    """Return the share (n,) of lateral loads at equal motion that V (n,) [N] leaves at least of those at V `own` (n,).
+
+    1 where both are one; where the load at equal motion is concave in V, and is not negative at the largest V_e of the
+    vertical path on the side of V, it is at least (V - V_e)/(V_own - V_e). NaN where no path leads there. Not above 0
+    where V is beyond that end.
+    """
+    ends = {} if table is None else {branch.sign: branch.largest for branch in table.branches}
+    end = np.array([ends.get(float(sign), np.nan) for sign in np.sign(V - own)]).reshape(V.shape)
+    alike = np.array([same_load(a, b) for a, b in zip(V, own, strict=True)], dtype=bool)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(alike, 1.0, (V - end) / (own - end))
+
+
+def covered(table: VerticalTable | None, V: Array, own: Array) -> NDArray[np.bool_]:
+    """Return for which V (n,) [N] the lateral springs at V `own` (n,) hold: within 10 %, and not near its capacity."""
+    held: NDArray[np.bool_] = close_loads(V, own) & ~(share_left(table, V, own) < 1.0 - LOST_NEAR)
+    return held
 
 
 def build_vertical(springs: Springs) -> VerticalTable | None:

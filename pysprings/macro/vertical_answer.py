@@ -8,7 +8,7 @@ theirs by no more than theirs: without vertical springs from 0 to twice the load
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -16,15 +16,19 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.errors import refused
-from pysprings.core.loads import close_loads, same_load, same_loads
+from pysprings.core.loads import same_load, same_loads
+from pysprings.core.text import with_prefix
 from pysprings.core.words import RANGE_END
 from pysprings.macro.response import list_of, other_load
-from pysprings.macro.vertical import FLAT, Branch, VerticalTable
+from pysprings.macro.vertical import FLAT, Branch, VerticalTable, covered, share_left
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import LIMIT_LOAD
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from pysprings.macro.model import MacroModel
+    from pysprings.springs.path_ends import PathEnd
 
 Array = NDArray[np.float64]
 
@@ -48,6 +52,25 @@ class Down:
     message: str = ""
 
 
+class Carrier(Protocol):
+    """What carries vertical loads; attributes as those of `MacroModel`."""
+
+    @property
+    def vertical(self) -> VerticalTable | None:
+        """Vertical springs."""
+        ...
+
+    @property
+    def ends(self) -> Mapping[str, PathEnd]:
+        """How the paths of the springs ended."""
+        ...
+
+    @property
+    def elastic_loads(self) -> tuple[float, float]:
+        """Vertical loads [N] that an elastic stiffness may answer."""
+        ...
+
+
 def vertical_answer(
     model: MacroModel, w: Array | None, V: Array | None, imposed: float | Array | None, states: Array
 ) -> Down:
@@ -68,7 +91,7 @@ def vertical_answer(
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
-    far = ~close_loads(down, V)
+    far = ~covered(model.vertical, down, V)
     follows = response.follows(down)
     moved = response.lacks(down, far) & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
@@ -90,10 +113,20 @@ def vertical_answer(
         marks | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
-        response.lacks_notes(down, moved),
-        _beyond(model, down, own),
-        _no_equilibrium(model, down[np.isnan(own)]),
+        [
+            f"{note}{_left(model.vertical, down[far & moved], V[far & moved])}"
+            for note in response.lacks_notes(down, moved)
+        ],
+        beyond_springs(model, down, own),
+        no_equilibrium(model, down[np.isnan(own)]),
     )
+
+
+def _left(table: VerticalTable, V: Array, own: Array) -> str:
+    """Return words for the least share of loads at equal motion that V (n,) [N] leaves of springs at V `own` (n,)."""
+    least = share_left(table, V, own).min(initial=1.0)
+    text = f", loads at equal motion at least {100.0 * least:.0f} % of those of the springs"
+    return text if 0.0 < least < 1.0 else ""
 
 
 def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
@@ -117,7 +150,7 @@ def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
     return xr.Dataset(data, coords, attrs)
 
 
-def _beyond(model: MacroModel, V: Array, used: Array) -> list[str]:
+def beyond_springs(model: Carrier, V: Array, used: Array) -> list[str]:
     """Return the sentences on vertical loads (n,) beyond the vertical springs."""
     assert model.vertical is not None
     _, sentences = past_elastic(model, V, np.isinf(used))
@@ -131,18 +164,19 @@ def _beyond(model: MacroModel, V: Array, used: Array) -> list[str]:
             reach = np.nan_to_num(used[beyond], nan=np.inf).max()
             worst = V[beyond][np.argmax(branch.sign * V[beyond])]
             sentences.append(
-                f"V = {worst:.7g} N is beyond the vertical springs (path {branch.path}): they reach {reach:.3g} "
-                f"times the calibrated displacement (limit 1); they carry {model.vertical.limits()}; "
-                f"{model.ends[branch.path]}"
+                f"V = {with_prefix(worst, 'N', 6)} is beyond the vertical springs (path {branch.path}): "
+                f"they reach {reach:.3g} times the calibrated displacement (limit 1); they carry "
+                f"{model.vertical.limits()}; {model.ends[branch.path]}"
             )
     return sentences
 
 
-def _no_equilibrium(model: MacroModel, V: Array) -> str:
+def no_equilibrium(model: Carrier, V: Array) -> str:
+    """Return a sentence on vertical loads (n,) [N] that no w carries; empty without any."""
     assert model.vertical is not None
     if not V.size:
         return ""
-    return f"macro-model: no vertical equilibrium under V = {list_of(V)} N; the springs carry {model.vertical.limits()}"
+    return f"macro-model: no vertical equilibrium under V = {list_of(V)}; the springs carry {model.vertical.limits()}"
 
 
 def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
@@ -155,7 +189,7 @@ def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
     branch = None if model.vertical is None else next((b for b in model.vertical.branches if b.sign == sign), None)
     if branch is None:
         return np.nan, "", ""
-    largest = sign * float((sign * branch.r[-1]).max())
+    largest = branch.largest
     if sign * largest <= 0.0:
         return np.nan, "", ""
     end = model.ends.get(branch.path)
@@ -201,7 +235,7 @@ def _is_flat(branch: Branch) -> bool:
     return bool(branch.sign * chord < FLAT * abs(branch.slope[-1, 0]))
 
 
-def past_elastic(model: MacroModel, V: Array, elastic: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], list[str]]:
+def past_elastic(model: Carrier, V: Array, elastic: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], list[str]]:
     """Return which vertical loads V (n,) [N] are beyond an elastic stiffness, of those it answers, and a sentence."""
     low, high = model.elastic_loads
     marks = elastic & ((low > V) | (high < V)) & ~same_loads(V, low) & ~same_loads(V, high)
@@ -209,6 +243,7 @@ def past_elastic(model: MacroModel, V: Array, elastic: NDArray[np.bool_]) -> tup
         return marks, []
     worst = V[marks][np.argmax(np.abs(V[marks]))]
     return marks, [
-        f"V = {worst:.7g} N: without vertical springs in this direction V is known from {low:.7g} to {high:.7g} N "
+        f"V = {with_prefix(worst, 'N', 6)}: without vertical springs in this direction V is known from "
+        f"{with_prefix(low, 'N', 6)} to {with_prefix(high, 'N', 6)} "
         "(a change no larger than the vertical load of the paths): add a path of kind 'vertical'"
     ]

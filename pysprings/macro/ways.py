@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.loads import same_load
+from pysprings.core.text import with_prefix
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
 
@@ -45,26 +46,36 @@ def equations(control: Control, targets: Array, arm: float, size: Array) -> tupl
     return Drive(G, C, np.array([motion[0], size[1] + abs(arm) * size[0]])), aims
 
 
-def ending(control: Control, reached: tuple[float, float], target: Array, states: Array, loads: Array) -> str:
-    """Return words for where a way ended: what was held, what was aimed at next, the last state."""
-    words = {
-        "displacement": ("u = {:.6g} m",),
-        "rotation": ("rotation = {:.6g} rad",),
-        "load": ("H = {:.6g} N", "M = {:.6g} N m"),
-        "state": ("u = {:.6g} m", "rotation = {:.6g} rad"),
-    }[control]
-    got, aim = (", ".join(w.format(x) for w, x in zip(words, values, strict=False)) for values in (reached, target))
-    last = "no step was reached"
-    if len(states):
-        (u, rotation), (H, M) = states[-1], loads[-1]
-        last = f"last step: u = {u:.6g} m, rotation = {rotation:.6g} rad, H = {H:.6g} N, M = {M:.6g} N m"
-    return f"macro-model: no equilibrium beyond {got} on the way to {aim}; {last}"
-
-
 # Targets below this share of the largest one have no direction, and steps back below it are none; loads below this
 # share of the other one are what rounding has left of zero.
 ROUNDING = 1e-9
 RANGE_SLACK = 1e-6  # share by which a spring may exceed its range before it counts as extrapolated (rounding)
+MOTION_UNITS = {"u": "m", "rotation": "rad"}
+
+
+def loads_in_words(H: float, M: float) -> str:
+    """Return words for a load H [N], M [N m]; what rounding has left of zero is 0."""
+    least = ROUNDING * max(abs(H), abs(M))
+    force, moment = (0.0 if abs(x) < least else x for x in (H, M))
+    return f"H = {with_prefix(force, 'N')}, M = {with_prefix(moment, 'N m')}"
+
+
+def ending(control: Control, reached: tuple[float, float], target: Array, states: Array, loads: Array) -> str:
+    """Return words for where a way ended: what was held, what was aimed at next, the last state."""
+    names = {"displacement": ("u",), "rotation": ("rotation",)}.get(control, ("u", "rotation"))
+    got, aim = (
+        loads_in_words(*each)
+        if control == "load"
+        else ", ".join(f"{name} = {x:.6g} {MOTION_UNITS[name]}" for name, x in zip(names, each, strict=False))
+        for each in (reached, target)
+    )
+    last = "no step was reached"
+    if len(states):
+        u, rotation = states[-1]
+        last = f"last step: u = {u:.6g} m, rotation = {rotation:.6g} rad, {loads_in_words(*loads[-1])}"
+    return f"macro-model: no equilibrium beyond {got} on the way to {aim}; {last}"
+
+
 BISECTIONS = 40
 
 _TURNED = "after the sequence turned back: the springs go back on the same curve, the soil does not"
@@ -136,10 +147,8 @@ class Limit:
         return {"limit_H_N": self.H, "limit_M_Nm": self.M, "limit_u_m": self.u, "limit_rotation_rad": self.rotation}
 
     def __str__(self) -> str:
-        largest = max(abs(self.H), abs(self.M))
-        force, moment = (0.0 if abs(x) < ROUNDING * largest else x for x in (self.H, self.M))
         return (
-            f"within their range they carry H = {force:.4g} N with M = {moment:.4g} N m "
+            f"within their range they carry {loads_in_words(self.H, self.M)} "
             f"(at u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)"
         )
 

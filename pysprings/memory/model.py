@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
+from pysprings.core.text import with_prefix
 from pysprings.macro.fan_springs import FanSprings
 from pysprings.macro.response import ElementRows
 from pysprings.macro.solver import Drive
@@ -141,10 +142,10 @@ class MemorySprings(FanSprings):
         """Return a sentence on states under another V [N] than the elements follow, or after one."""
         if not lacking.any():
             return []
-        own, there = f"that of the elements ({self.V:.7g} N)", "unchanged"
+        own, there = f"that of the elements ({with_prefix(self.V, 'N', 6)})", "unchanged"
         if self.changing is not None:
             low, high = self.changing.loads[[0, -1]]
-            own = f"those of the elements ({low:.7g} to {high:.7g} N)"
+            own = f"those of the elements ({with_prefix(low, 'N', 6)} to {with_prefix(high, 'N', 6)})"
         if self.follows(V):
             there = "are those at the nearest load"
         text = f"{lacking.sum()} of {lacking.size} states are under another V than {own}, or come after one"

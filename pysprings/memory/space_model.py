@@ -17,10 +17,14 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.core.loads import close_loads
+from pysprings.core.loads import same_loads
+from pysprings.core.text import with_prefix
 from pysprings.core.units import quoted
+from pysprings.macro.model import elastic_loads
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
+from pysprings.macro.vertical import VerticalTable, build_vertical, covered
+from pysprings.macro.vertical_answer import beyond_springs, no_equilibrium, past_elastic
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import ElementSet, SpaceElements, beyond_way
@@ -29,6 +33,7 @@ from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, in_planes, out_of_planes
+from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
@@ -40,7 +45,7 @@ MISSING = (
     "Run the scene with `[springs] memory = true` and `directions = true`"
 )
 APART = "torsion and lateral loads act together in {} of {} states: " + SHARE_NOTHING
-HEAVE = "w out of one plane is that under V of the springs, {:.7g} N; a twist leaves it as it is"
+HEAVE = "w out of one plane is that at V of the springs, {}, and of another V beside; a twist leaves it as it is"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +59,8 @@ class SpaceSprings:
     largest : largest step of a motion [m].
     V : vertical load [N] of the paths of the calibration.
     origin : a path with the depths of the reactions.
+    vertical : vertical springs; None where there are none: then w under another V is elastic, by K [N/m].
+    ends, elastic_loads : as those of `pysprings.macro.model.MacroModel`.
     load_scale : sizes of H [N] and M [N m], for tolerances.
     attrs : attributes of the springs.
     """
@@ -66,6 +73,10 @@ class SpaceSprings:
     load_scale: tuple[float, float]
     origin: SpringPath
     attrs: Mapping[Any, Any]
+    vertical: VerticalTable | None
+    K: float
+    ends: Mapping[str, PathEnd]
+    elastic_loads: tuple[float, float]
 
     @classmethod
     def of(cls, springs: Springs | xr.DataTree) -> "SpaceSprings":
@@ -88,7 +99,13 @@ class SpaceSprings:
         if elements.space is None:
             raise refused("springs", MISSING)
         size = springs.length, elements.reach, elements.largest
-        return cls(elements.space, *size, V, load_scale, springs.path(), springs.attrs)
+        table = build_vertical(springs)
+        if table is not None:
+            K = table.stiffness
+        else:
+            K = np.nan if springs.stiffness is None else float(springs.stiffness[1, 1])
+        down = table, K, springs.ends, elastic_loads(springs)
+        return cls(elements.space, *size, V, load_scale, springs.path(), springs.attrs, *down)
 
     @property
     def has_torsion(self) -> bool:
@@ -185,6 +202,19 @@ class SpaceSprings:
         found: Array = float(self.origin["w"][0]) + moved
         return found
 
+    def _settled(self, V: Array) -> tuple[Array, NDArray[np.int8], list[str], str]:
+        """Return w (n,) [m] of vertical loads (n,) [N] less that at V of the springs, and what does not carry them.
+
+        That is marks (n,) and sentences of V beyond the vertical springs, and a message on V that no w carries.
+        """
+        if self.vertical is None:
+            past, sentences = past_elastic(self, V, ~same_loads(V, self.V))
+            return (V - self.V) / self.K, past.astype(np.int8), sentences, ""
+        w, _, used, own = self.vertical.history(V)
+        past = np.nan_to_num(used, nan=np.inf) > 1.0 + RANGE_SLACK
+        change: Array = w - self.vertical.displacement(self.V)[0]
+        return change, past.astype(np.int8), beyond_springs(self, V, own), no_equilibrium(self, V[np.isnan(own)])
+
     def range_used(self, turns: Array) -> Array:
         """Return the size of motions (n, 5) over that of the rays, or of the twist where that is more."""
         motions = self.motions_of(turns)
@@ -206,6 +236,7 @@ class SpaceSprings:
         V (n,) [N] marks states at another vertical load than that of the springs; time (n,) [s] is handed on.
         """
         turns, pushes, message = self.solve(control, targets)
+        own = with_prefix(self.V, "N", 6)
         n, used = len(turns), self.range_used(turns)
         values: dict[str, Any] = dict(zip(SPACE_TURNS, turns.T, strict=True)) | dict(
             zip(SPACE_LOADS, pushes.T, strict=True)
@@ -216,20 +247,24 @@ class SpaceSprings:
         values["torsion_apart"] = apart.astype(np.int8)
         warnings = [APART.format(apart.sum(), n)] if apart.any() else []
         warnings += beyond_way(self.motions_of(turns)[:, :4], self.elements.way)
+        text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"
+        beyond = [text] if values["extrapolated"].any() else []
         if V is not None:
-            off = ~close_loads(V[:n], self.V)
-            values |= {"V": V[:n], "off_load": off.astype(np.int8)}
-            warnings += [f"{off.sum()} of {n} states are under another V than {self.V:.7g} N"] if off.any() else []
+            off = ~covered(self.vertical, V[:n], np.full(n, self.V))
+            change, far, sentences, lost = self._settled(V[:n])
+            beyond, message = beyond + sentences, " ".join(filter(None, (message, lost)))
+            values |= {"V": V[:n], "w": values["w"] + change, "off_load": off.astype(np.int8)}
+            values["extrapolated"] |= far
+            warnings += [f"{off.sum()} of {n} states are under another V than {own}"] if off.any() else []
         if time is not None:
             values["time"] = time[:n]
         known = variables.GROUPS["space_prediction"]
         data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
-        text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"
         attrs = {
             "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
-            "beyond_range": [text] if values["extrapolated"].any() else [], "refusals": [],
-            "remarks": [HEAVE.format(self.V)],
+            "beyond_range": beyond, "refusals": [],
+            "remarks": [HEAVE.format(own)],
         }  # fmt: skip
         p = dict(zip(("p_x", "p_y"), self.reactions(turns), strict=True))
         p["depth_bounds"] = self.origin["depth_bounds"]

@@ -10,7 +10,7 @@ from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import close_loads
 from pysprings.macro.fan import WIDEST, FanTable
-from pysprings.macro.ways import RANGE_SLACK, Control
+from pysprings.macro.ways import RANGE_SLACK, Control, loads_in_words
 from pysprings.memory.elements import STATES, advance, relax
 from pysprings.memory.mixture import ChangingLoad, Step
 from pysprings.memory.model import MemorySprings, off_rate
@@ -19,7 +19,7 @@ from pysprings.memory.water import Water
 
 Array = NDArray[np.float64]
 
-_NO_ANSWER = "the elements carry no more than H = {:.6g} N, M = {:.6g} N m on the way to this step"
+_NO_ANSWER = "the elements carry no more than {} on the way to this step"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +119,8 @@ class MemoryStepper:
         way, state, steps = np.concatenate([start[None], aims]), self.state.copy(), self._to(V)
         q, carried, at = self._loads.step(drive, self.motion * model.to_motion, state, way, steps)
         if carried is None:
-            H, M = np.array(at) * model.to_motion
-            raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(H, M))])
+            carried_so_far = loads_in_words(*np.array(at) * model.to_motion)
+            raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(carried_so_far))])
         self._trial = state, q / model.to_motion, carried * model.to_motion
         self._conditions, self._steps = (V, duration), steps
         answer: Array = self._trial[1 if motion is None else 2].copy()

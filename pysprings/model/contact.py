@@ -28,6 +28,7 @@ import numpy as np
 
 from fe_engine.contact import adhesion, coulomb
 from fe_engine.contact.law import ContactLaw
+from pysprings.core.text import with_prefix
 from pysprings.core.units import ATMOSPHERE, VAPOUR
 from pysprings.model.mesh import SURFACES
 from pysprings.scene.by_depth import of_surface
@@ -133,11 +134,10 @@ def penalty_of(scene: Scene) -> Penalty:
         given = getattr(scene.interface, name)
         value = AUTO * unit if given == "auto" else float(given)
         if value > STIFFEST * unit:
-            limit = f"{STIFFEST * unit:.3g} N/m3 ({STIFFEST:g} E/D)"
+            most, own = (with_prefix(each, "N/m3", 3) for each in (STIFFEST * unit, value))
+            limit = f"{most} ({STIFFEST:g} E/D)"
             cost = f"costs {100.0 * _loss(STIFFEST):.1g} % of the elastic stiffness"
-            remarks.append(
-                f"interface.{name}: {value:.3g} N/m3 is too stiff to solve with; {limit} is used, which {cost}"
-            )
+            remarks.append(f"interface.{name}: {own} is too stiff to solve with; {limit} is used, which {cost}")
             value = STIFFEST * unit
         values.append(value)
     return Penalty(values[0], values[1], _pressure(scene) / values[0], _loss(min(values) / unit), tuple(remarks))

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pysprings.core.loads import NO_LOAD
+from pysprings.core.text import with_prefix
 from pysprings.core.words import StopReason
 
 REACHED, LIMIT_LOAD, STOPPED, UNKNOWN = "reached", str(StopReason.LIMIT_LOAD), "stopped", "not known"
@@ -65,9 +67,11 @@ class PathEnd:
     def words(self) -> str:
         """How it ended, with the last state and the reason, as the rest of a sentence on the path."""
         words = {LIMIT_LOAD: "met a limit load of the full model", STOPPED: "stopped", REACHED: "reached its aim"}
-        H, M = (0.0 if abs(x) < _ROUNDING * max(abs(self.H), abs(self.M)) else x for x in (self.H, self.M))
-        loads = f" at H = {H:.4g} N with M = {M:.4g} N m" if np.isfinite([H, M]).all() else ""
-        loads += f" (u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)" if np.isfinite(self.u) else ""
+        least = max(_ROUNDING * max(abs(self.H), abs(self.M)), NO_LOAD)
+        H, M = (0.0 if abs(x) < least else x for x in (self.H, self.M))
+        known = np.isfinite([H, M]).all() and (H or M)  # a vertical path has neither
+        loads = f" at H = {with_prefix(H, 'N')} with M = {with_prefix(M, 'N m')}" if known else ""
+        loads += f" (u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)" if known and np.isfinite(self.u) else ""
         reason = self.why.partition(" (")[0]  # without the place and the residuals of the last attempt
         why = f" ({reason})" if reason and self.failed else ""
         return f"{words.get(self.how, 'ended in a way that is not known')}{loads}{why}"
@@ -90,7 +94,7 @@ def before_cavitation(path: xr.Dataset) -> xr.Dataset:
         return known
     cut = known.isel(step=slice(max(int(beyond[0]), FEWEST)))
     w, V = (float(cut.variables[name].values[-1]) for name in ("w", "V"))
-    why = f"the water would cavitate beyond, at w = {w:.4g} m, V = {V:.4g} N"
+    why = f"the water would cavitate beyond, at w = {w:.4g} m, V = {with_prefix(V, 'N')}"
     return cut.assign_attrs({"end": STOPPED, "end_reason": why} | end_numbers(cut))
 
 

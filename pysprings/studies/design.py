@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from pysprings.core.columns import filled
 from pysprings.core.errors import refused
-from pysprings.core.loads import InPlane, close_loads, nearest, same_load
+from pysprings.core.loads import InPlane, close_loads, nearest
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
 from pysprings.macro.model import AnySprings, Typed, typed
-from pysprings.macro.vertical import build_vertical
+from pysprings.macro.vertical import build_vertical, covered, share_left
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
@@ -220,17 +220,11 @@ _AT_SETS = (
 )  # fmt: skip
 
 
-# of loads at equal motion by the chord towards the end; a parabola V (1 - V/V_e), as of sand, loses half of it, 10 %
-LOST_NEAR = 0.2
-
-
 def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: dict[str, Any]) -> tuple[Array, Array]:
     """Return by case the share of loads at equal motion that V leaves at least, and V of the springs that it is of [N].
 
-    1 and V of the case, but for lateral loads, answered or aside of one plane, whose V is beyond all springs, by more
-    than 10 % or so near the end V_e that more than `LOST_NEAR` is lost: where the load at equal motion is concave in V
-    and is not negative at the last V of the vertical path on that side, V_e, it is at least (V - V_e)/(V_s - V_e) of
-    that at V_s of the springs. NaN: V is not known to lie before such an end.
+    1 and V of the case, but for lateral loads, answered or aside of one plane, whose V is beyond all springs and not
+    `covered` by them. NaN: V is not known to lie before the end of the vertical path on its side.
     """
     share, at = np.ones(len(cases)), cases.V.copy()
     if not isinstance(springs, Springs) or choice.get("path") is not None or not springs.load_sets:
@@ -238,16 +232,10 @@ def _left_beyond(frame: pd.DataFrame, springs: Typed, cases: LoadCases, choice: 
     sets, vertical = springs.load_sets, build_vertical(springs)
     V = np.where(np.isnan(cases.V), springs.rest_load, cases.V)
     own = np.clip(V, sets[0].V, sets[-1].V)
-    branches = () if vertical is None else vertical.branches
-    ends = {each.sign: each.sign * float((each.sign * each.r[-1]).max()) for each in branches}
-    bounded = cases.lateral & ((frame["answered"] == 1) | cases.aside)
-    near = close_loads(V, own)
-    for k in np.flatnonzero(bounded & (own != V)):
-        end = ends.get(float(np.sign(V[k] - own[k])), np.nan)
-        known = (V[k] - end) / (own[k] - end) if own[k] != end else np.nan
-        if near[k] and (same_load(V[k], own[k]) or np.isnan(end) or known >= 1.0 - LOST_NEAR):
-            continue
-        share[k], at[k] = known if 0.0 < known < 1.0 else np.nan, own[k]
+    beyond = cases.lateral & ((frame["answered"] == 1) | cases.aside).to_numpy() & ~covered(vertical, V, own)
+    left = share_left(vertical, V, own)
+    share[beyond] = np.where((left > 0.0) & (left < 1.0), left, np.nan)[beyond]
+    at[beyond] = own[beyond]
     return share, at
 
 

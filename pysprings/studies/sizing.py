@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 STEEL = 7850.0  # kg/m3
 UNKNOWN = 10.0  # use of a caisson that an atlas has no answer for
+TORSION = "torsion"
+NO_BOUND = "T above half of R times (H, M/D) has no bound here: design it by springs in space, or leave T out"
 EDGE = "edge of the atlas"
 LEAST = "--D-min"
 _NEAR = 0.02  # of D, and of L/D: a caisson that near is at the edge
@@ -105,10 +107,13 @@ class Search:
             by_load = self.correction * answers["utilisation"] / wanted.utilisation
         ok = (answers["answered"] == 1).to_numpy()
         by_tilt = np.where(ok, by_tilt, UNKNOWN * np.fmax(answers["utilisation"], 1.0))
-        use = np.fmax(by_tilt, by_load)  # a case without lateral load has no utilisation
+        by_torsion = np.minimum(wanted.cases.torsion_share(0.5 * D), UNKNOWN)  # beyond 1 nothing bounds it
+        use = np.fmax(np.fmax(by_tilt, by_load), by_torsion)  # a case without lateral load has no utilisation
         worst = max(range(use.size), key=lambda k: (use[k], wanted.cases.name[k]))
         what = "utilisation" if by_load[worst] > by_tilt[worst] else "tilt"
-        return float(use[worst]), f"{wanted.cases.name[worst]}: {what if ok[worst] else 'no answer'}", bool(ok.all())
+        twisted = by_torsion[worst] > 1.0 or by_torsion[worst] == use[worst]
+        what = TORSION if twisted else what if ok[worst] else "no answer"
+        return float(use[worst]), f"{wanted.cases.name[worst]}: {what}", bool((ok & (by_torsion <= 1.0)).all())
 
     def just_met(self, ratio: float) -> Candidate | None:
         """Return the smallest caisson of an L/D that meets all cases; None where the largest one does not."""
@@ -165,6 +170,9 @@ class Search:
                 D = math.sqrt(math.prod(self.wanted.D))
                 answered(self.atlas, self.wanted, D, ratio * D)  # refused: what is outside the atlas
             text = f"at their V the atlas covers D {low:.3g} to {high:.3g} m"
+            if (there := self.at(high, ratio * high)).use > 1.0:
+                text += f"; at the largest {there.governs} governs"
+            text += f" ({NO_BOUND})" * there.governs.endswith(TORSION)
             raise refused("--D-max", f"no caisson up to D = {self.wanted.D[1]:g} m meets the load cases; {text}")
         best = min(met.values(), key=lambda each: each.mass)
         beyond = best.governs != EDGE and self._at_edge(best)

@@ -127,9 +127,14 @@ class LoadCases:
         """
         if radius is None:
             return self.torsion != 0.0
-        size = np.hypot(radius * self.H, 0.5 * np.hypot(self.M, self.across))
-        twisted: NDArray[np.bool_] = np.abs(self.torsion) > 0.5 * size
+        twisted: NDArray[np.bool_] = self.torsion_share(radius) > 1.0
         return twisted
+
+    def torsion_share(self, radius: float) -> NDArray[np.float64]:
+        """Return T over the largest one that `bounded` bounds in a caisson of a radius [m], (n,); inf for T alone."""
+        size = np.hypot(radius * self.H, 0.5 * np.hypot(self.M, self.across))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.torsion != 0.0, np.abs(self.torsion) / (0.5 * size), 0.0)
 
     def bounded(self, radius: float | None, kept: bool | NDArray[np.bool_] = False) -> LoadCases:
         """Return the cases in one plane and without torsion, with loads on the safe side, and remarks that say so.

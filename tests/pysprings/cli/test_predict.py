@@ -208,3 +208,16 @@ def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:
 def test_a_moment_against_the_force_has_a_remark(springs_file: Path, M: str, remarked: bool) -> None:
     done = command("predict", springs_file, "--H", "10 kN", "--M", M, "--extrapolate")
     assert done.code == 0 and ("note: M turns against H, as of a load 3 m below mudline" in done.err) is remarked
+
+
+def test_messages_name_the_option_that_was_typed(springs_file: Path) -> None:
+    """Not the argument of Python; an argument without dashes stays as it is."""
+    for arguments, words in (
+        (("predict", springs_file, "--H", "1 MN", "--springs", "fam"), "--springs: 'fam' is not one of"),
+        (("predict", springs_file, "--H", "1 MN", "--springs", "full", "--path", "nix"), "--path: no path 'nix'"),
+        (("predict", springs_file, "--H", "1 MN", "--strict", "--extrapolate"), "--strict: refuses what"),
+        (("predict", springs_file, "--H", "900 MN"), "springs: "),
+        (("compare", springs_file, "--springs", "fam"), "--springs: no springs 'fam' here"),
+    ):
+        done = command(*arguments)
+        assert done.code == 2 and done.err.startswith(f"fatal: user input: {words}"), done.err

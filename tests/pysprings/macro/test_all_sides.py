@@ -10,12 +10,14 @@ import pytest
 import xarray as xr
 from scipy.optimize import fsolve
 
+from pysprings.core.errors import BeyondSprings
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.answer import MacroWarning
 from pysprings.macro.batch import APART, MOST_APART, SIDEWAYS, predict_batch
 from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import SPACE_NOTE
-from pysprings.macro.space import SpaceAnswers
+from pysprings.macro.space import SpaceAnswers, sequence_in_space
+from pysprings.memory.space_model import SpaceSprings
 from pysprings.results.exporters.csv import read_comparison, write_frame
 from pysprings.results.exporters.xlsx import about_lines
 from pysprings.results.report.validity import compare_table
@@ -27,6 +29,7 @@ from pysprings.studies.design import answer_cases
 from tests.support import space_paths
 from tests.support.commands import command
 from tests.support.space_springs import calibrated
+from tests.support.vertical import REST, down_curve, vertical_path
 
 # H_x, H_y [N], M_x, M_y, T [N m]: in a plane twice, with a moment across, with T, T alone
 LOADS = 1e5 * np.array(
@@ -167,7 +170,7 @@ def test_the_command_answers_a_load_out_of_one_plane(tmp_path: Path) -> None:
     shown = command("predict", file, *loads, "--T", "200 kN m")
     assert "torsion_apart" in shown.out
     for option, code, words in (("--strict", 2, "strict"), ("--stiffness", 2, "is that of one plane"),
-                                ("--V=1 GN", 2, "V beyond")):  # fmt: skip
+                                ("--V=1 GN", 2, "V = 1000 MN: without vertical springs")):  # fmt: skip
         done = command("predict", file, *loads, "--T", "200 kN m", option)
         assert done.code == code and words in done.err
     far = command("predict", file, "--Hx=2 MN", "--Mx=-2 MN m")
@@ -191,8 +194,9 @@ def test_design_answers_rows_out_of_one_plane(tmp_path: Path) -> None:
     for row, name in enumerate(("across", "twisted")):
         columns = ["u_x_m", "u_y_m", "rot_x_rad", "rot_y_rad"]
         assert table.loc[name, columns].tolist() == turns(known)[row, :4].tolist()
+        assert table.loc[name, "w_m"] == known["w"].values[row] != 0.0
         assert table.loc[name, "u_bound_m"] > table.loc[name, "u_m"] and "elbow H" in table.loc[name, "remarks"]
-        assert np.isnan(table.loc[name, ["secant_H_u_N_per_m", "tangent_u_u_N_per_m", "w_m"]].astype(float)).all()
+        assert np.isnan(table.loc[name, ["secant_H_u_N_per_m", "tangent_u_u_N_per_m"]].astype(float)).all()
     assert table.loc["twisted", "twist_rad"] == known["rot_z"].values[1]
     assert "the twist by a factor" in table.loc["twisted", "marks"] and "left out" not in table.loc["twisted", "marks"]
     apart = float(known["plane_difference_pct"].values[0])
@@ -200,6 +204,29 @@ def test_design_answers_rows_out_of_one_plane(tmp_path: Path) -> None:
     assert (table.loc["far", "marks"], table.loc["far", "verdict"]) == (SIDEWAYS, "no answer")
     assert table.loc["other V", "marks"].startswith("V not covered") and table.loc["other V", "verdict"] != "ok"
     assert "left out" not in table.loc["other V", "marks"] and "no vertical path" in table.loc["other V", "marks"]
+
+
+def test_w_out_of_one_plane_is_that_of_a_sequence_and_of_v_beside() -> None:
+    """As in the plane: w of the lateral motion, and that of the vertical springs from their V to another one."""
+    tree = calibrated().copy(deep=True)
+    for end in (1e-4, -1e-2):
+        base = tree["paths/ray_0"].to_dataset(inherit=False)
+        tree[f"paths/{'down' if end > 0.0 else 'up'}"] = xr.DataTree(vertical_path(base, end))
+    V = REST + float(down_curve(np.array([6e-5]))[0])
+    found = batch(tree, np.tile(LOADS[2], (4, 1)), V=np.array([REST, REST, V, 9e6]))
+    own = SpaceSprings.of(tree)
+    way, _, _ = own.solve("load", LOADS[2:3])
+    np.testing.assert_allclose(found["w"][:2], own.heave(way)[0], rtol=1e-9)
+    assert float(found["w"][2] - found["w"][1]) == pytest.approx(6e-5, rel=1e-2)
+    assert found["off_load"].values.tolist()[:3] == [0, 0, 1] and found["answered"].values.tolist() == [1, 1, 1, 0]
+    near = REST + 0.7 * float(down_curve(np.array([1e-4]))[0])  # less than 10 % of the largest of the path above
+    assert near < 1.2 * REST
+    assert batch(tree, LOADS[2:3], V=near)["off_load"].values.tolist() == [1]
+    with pytest.warns(MacroWarning):
+        steps = sequence_in_space(tree, np.tile(LOADS[2], (2, 1)), V=np.array([V, REST]))
+    assert float(steps["w"][1] - found["w"][1]) == pytest.approx(6e-5 - (V - REST) / own.K, rel=0.1)  # what stays
+    with pytest.raises(BeyondSprings, match="is beyond the vertical springs"):
+        sequence_in_space(tree, LOADS[2:3], V=2.38e6 + 1e6)
 
 
 def test_the_set_in_space_is_built_for_rows_aside_alone(monkeypatch) -> None:

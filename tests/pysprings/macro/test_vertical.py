@@ -86,7 +86,7 @@ def test_a_lateral_load_under_another_v_adds_its_w_and_is_marked():
     tree = vertical_springs()
     more = REST + float(down_curve(np.array(1e-3)))
     usual = way_to_motion(tree, u=2e-3, rotation=0.0)
-    with pytest.warns(MacroWarning, match=r"is not that of path 'slide' \(2000000 N\): lateral springs unchanged"):
+    with pytest.warns(MacroWarning, match=r"is not that of path 'slide' \(2 MN\): lateral springs unchanged"):
         loaded = way_to_motion(tree, u=2e-3, rotation=0.0, V=more)
     w = build_vertical(Springs.of(tree)).displacement(more)[0]
     np.testing.assert_allclose(loaded["w"], usual["w"] + w, rtol=1e-9)
@@ -110,7 +110,7 @@ def test_one_direction_only_is_elastic_in_the_other_and_says_so():
 def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
     tree = vertical_springs(ends=(5e-3, -1e-2))
     end = REST + float(down_curve(np.array(5e-3)))
-    match = "beyond the vertical springs .* V from .* to 1.2e.07 N; path 'down' ended in a way"
+    match = "beyond the vertical springs .* V from .* to 12.* MN; path 'down' ended in a way"
     with pytest.raises(BeyondSprings, match=match):
         predict(tree, V=end + 1e6)
     with pytest.warns(MacroWarning, match=match):
@@ -120,7 +120,7 @@ def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
     for name in ("t", "V", "V_tip", "V_lid"):  # pull-out: no more resistance over the last steps
         values = flat["paths/up"][name].values
         values[..., -6:] = values[..., -6:-5]
-    match = "no vertical equilibrium under V = -2000000, .* N; the springs carry V from"
+    match = "no vertical equilibrium under V = -2 MN, .* MN .*; the springs carry V from"
     with warnings.catch_warnings(), pytest.raises(PredictionNotConverged, match=match):
         warnings.simplefilter("ignore", MacroWarning)
         predict(flat, V=-2e6, extrapolate=True)
@@ -164,7 +164,7 @@ def test_at_and_beyond_the_loads_of_the_sets():
     tree = vertical_springs(heavier=(6e6,))
     usual, own = (way_to_motion(tree, u=2e-3, rotation=0.0, V=V) for V in (None, 6e6))
     np.testing.assert_allclose(own["H"][10:], 3.0 * usual["H"][10:], rtol=1e-9)
-    with pytest.warns(MacroWarning, match=r"V = 8000000 N is not that of path 'slide_6' \(6000000 N\)"):
+    with pytest.warns(MacroWarning, match=r"V = 8 MN is not that of path 'slide_6' \(6 MN\)"):
         beyond = way_to_motion(tree, u=2e-3, rotation=0.0, V=8e6)
     np.testing.assert_allclose(beyond["H"], own["H"], rtol=1e-9)
     assert beyond["off_load"].values[-1] == 1
@@ -489,3 +489,27 @@ def test_a_load_within_a_tenth_is_that_of_the_springs_and_a_limit_load_holds_the
     for V in (REST, 1.05 * REST):
         with pytest.raises(BeyondSprings, match="limit load"):
             predict(tree, H=H, M=M, V=V, extrapolate=True)
+
+
+def test_a_v_within_a_tenth_of_the_springs_and_near_its_own_capacity_is_marked_by_every_way_to_ask(tmp_path):
+    """Springs at 2 MN, a path down that ends at 2.4: at 2.15 MN the chord leaves 6 tenths of the load, at 2.02 0.95."""
+    tree = vertical_springs(ends=(1e-4,))
+    end = REST + float(down_curve(np.array(1e-4)))
+    left = (2.15e6 - end) / (REST - end)
+    assert 0.5 < left < 0.7
+    note = f"lateral springs unchanged, loads at equal motion at least {100.0 * left:.0f} % of those of the springs"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # two rays, 90 degrees apart
+        answers = [predict(tree, H=1e5, arm=2.0, V=V) for V in (2.02e6, 2.15e6)]
+        answers += [impose(tree, u=1e-4, V=2.15e6)]
+    assert [int(each["off_load"]) for each in answers] == [0, 1, 1]
+    assert [note in "; ".join(each.attrs["warnings"]) for each in answers] == [False, True, True]
+    assert predict_batch(tree, H=1e5, arm=2.0, V=np.array([2.02e6, 2.15e6]))["off_load"].values.tolist() == [0, 1]
+    with pytest.raises(UserInputError, match=note):
+        impose(tree, u=1e-4, rotation=0.0, V=2.15e6, strict=True)
+    file = tmp_path / "springs.nc"
+    save_springs(tree, file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        done = command("predict", str(file), "--H", "100 kN", "--arm", "2 m", "--V", "2.15 MN")
+    assert "off_load" in done.out

@@ -101,7 +101,7 @@ def test_states_after_another_vertical_load_are_marked_too() -> None:
     """What V has done to the soil stays: H and M of the first V are in doubt from there on, and w beyond the curve."""
     springs = model()
     change = 1e6 * np.array([0.0, 1.0, 0.0, 0.0])
-    with pytest.warns(MacroWarning, match=r"3 of 4 states are under another V than that of the elements \(.* N\), or"):
+    with pytest.warns(MacroWarning, match=r"3 of 4 states are under another V than that of the elements \(.* MN\), or"):
         answer = sequence(springs, LOADS, V=springs.rest_load + change, extrapolate=True)
     np.testing.assert_array_equal(answer["off_load"], [0, 1, 1, 1])
     far = springs.rest_load + 1e6 * np.array([15.0, 0.0])

@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from pysprings.macro.model import MacroModel
-from pysprings.memory.calibration import MOST_NUMBERS, SpaceElements
+from pysprings.memory.calibration import MOST_NUMBERS, SpaceElements, way_of
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.offered import Offered, evened, numbers_in_space
 from pysprings.memory.space_model import SpaceSprings
@@ -27,6 +27,7 @@ pytestmark = pytest.mark.skipif(
 )
 LATERAL = [0, 1, 3, 4, 5]  # of six: SPACE_TURNS, and SPACE_LOADS
 RADIUS, TWIST = 4.0, 5e-3
+S_WAY = 4  # of springs.h
 DIRECTIONS = 8  # of the mean out of one plane, MEAN of springs.c
 
 
@@ -135,6 +136,8 @@ def test_settlement_adds_up_by_cycles_as_in_python(
         expected = [-carried(model, *row) for row in zip(motions, w, V, strict=True)]
         assert np.ptp(expected) > 0.1 * rest[1]
         np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+        come = way_of(space.motions_of(motions[:, LATERAL])[:, :4])
+        assert point.state.flat[S_WAY] == pytest.approx(come, rel=1e-12)
         peaks = w[[*range(58, 700, 117)]] - rest[0]
         assert peaks[-1] > 1.4 * peaks[0] > 0.0
     again = motions.copy()
@@ -164,6 +167,26 @@ def test_the_stiffness_at_rest_is_axisymmetric_and_that_of_the_elements(
             point.state[:] = kept
             ends.append(point.forces(aim + sign * step * np.eye(6)[j]))
         np.testing.assert_allclose(D[:, j], (ends[0] - ends[1]) / (2.0 * step), rtol=0.05, atol=1e-3 * np.abs(D).max())
+
+
+def test_after_a_twist_alone_the_stiffness_at_the_origin_is_not_that_at_rest(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There and back by twists that yield, to where torsion is loaded still."""
+    model, _ = invented()
+    point, twist = point_of(library, model, tmp_path, monkeypatch), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    rest = point.stiffness(0.0 * twist)[5, 5]
+    point.state[:] = 0.0
+    for size in (2.0 * TWIST, 0.0):
+        left = point.forces(size * twist)[5]
+    assert point.state.flat[S_WAY] == 0.0 and abs(left) > 0.0
+    kept, slopes = point.state.copy(), []
+    for step in (1e-7, -1e-7):
+        point.state[:] = kept
+        slopes.append((point.forces(step * twist)[5] - left) / step)
+    point.state[:] = kept
+    own = point.stiffness(0.0 * twist)[5, 5]
+    assert own == pytest.approx(np.mean(slopes), rel=1e-3) and own != pytest.approx(rest, rel=1e-3)
 
 
 @pytest.mark.parametrize("degrees", [7.5, 22.5, 37.0, 45.0, 90.0, 163.0])

@@ -64,6 +64,23 @@ def test_what_no_caisson_meets_is_refused(atlas, search):
         bounds_of(atlas, (0.1, 0.3))
 
 
+def test_a_caisson_in_which_torsion_governs_is_no_result(atlas, search, tmp_path):
+    """T/R is no bound of a T above half of R times (H, M/D): a larger caisson is, or the cases are refused."""
+    found = {}
+    for T in (0.0, 6.0, 1e3):
+        file = tmp_path / f"{T}.csv"
+        rows = f"extreme,1500,10,0.5,{T}\nservice,800,12,0.05,0\n"
+        file.write_text(f"name,H [kN],arm [m],tilt [deg],T [MN m]\n{rows}", encoding="utf-8")
+        found[T] = Search(atlas, replace(search.wanted, cases=read_load_cases(file)))
+    free, twisted = (found[T].just_met(1.1) for T in (0.0, 6.0))
+    assert free is not None and twisted is not None and twisted.D > 1.05 * free.D
+    cases = found[6.0].wanted.cases
+    assert cases.twisted(0.5 * free.D)[0] and not cases.twisted(0.5 * twisted.D).any()
+    assert twisted.governs == "extreme: torsion" and twisted.answered and 0.98 < twisted.use <= 1.0
+    with pytest.raises(UserInputError, match=r"extreme: torsion governs \(T above half of R times"):
+        found[1e3].least()
+
+
 def test_the_correction_is_what_the_full_model_turns_further():
     table = pd.DataFrame({"rotation_full_rad": [1.1e-3, 0.9e-3], "rotation_atlas_rad": [1.0e-3, 1.0e-3]})
     assert correction_of(table) == pytest.approx(1.1)

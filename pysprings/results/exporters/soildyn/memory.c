@@ -219,10 +219,13 @@ static void step(const double *P, double *s, const double *q, const double *dq, 
 /* Go from the motion of the state to q; steps are halved until they are short enough, as `elements.follow` does. w and V stay
  * as they are where they are not those of the elements. */
 void pysprings_elements(const double *P, double *state, const double *q, double *F, double *w, double *V) {
-  double from[MOTIONS], dq[MOTIONS], at[MOTIONS], even[2], length = 0.0;
+  double from[MOTIONS], dq[MOTIONS], at[MOTIONS], even[2], length = 0.0, lateral = 0.0;
   int k, j, parts = 1;
   memcpy(from, state + S_MOTION, sizeof from);
-  for (k = 0; k < MOTIONS; k++) length += (q[k] - from[k]) * (q[k] - from[k]);
+  for (k = 0; k < MOTIONS; k++) {
+    length += (q[k] - from[k]) * (q[k] - from[k]);
+    if (k == MOTIONS - 2) lateral = sqrt(length); /* a twist, the last one, leaves w as it is */
+  }
   length = sqrt(length);
   while (length > P[P_LARGEST] * parts && parts * SHORTEST < 1.0) parts *= 2;
   for (k = 0; k < MOTIONS; k++) dq[k] = (q[k] - from[k]) / parts;
@@ -231,7 +234,7 @@ void pysprings_elements(const double *P, double *state, const double *q, double 
     step(P, state + S_FIRST, at, dq, F, even);
   }
   memcpy(state + S_MOTION, q, sizeof from);
-  state[S_WAY] += length;
+  state[S_WAY] += lateral;
   if (P[P_WAY] == 0.0) return;
   *w = P[P_HEAVE] + even[0];
   *V = P[P_CARRIED] + even[1];

@@ -290,6 +290,14 @@ static void tried(const double *P, const double *state, const double d[6], Answe
   pysprings_forces(P, copy, d, out);
 }
 
+/* Whether elements have not moved yet. */
+static int is_at_rest(const double *state) {
+  int k;
+  for (k = S_WAY; k < STATES; k++)
+    if (state[k] != 0.0) return 0;
+  return 1;
+}
+
 /* Stiffness (6, 6), column-major: at rest that of the springs there, elsewhere differences of the forces. */
 void pysprings_stiffness(const double *P, const double *state, const double d[6], double *D) {
   double zero[2] = {0.0, 0.0}, S[2][2], x[6], size, step, L = P[P_LENGTH], R = P[P_RADIUS];
@@ -298,7 +306,7 @@ void pysprings_stiffness(const double *P, const double *state, const double d[6]
   int i, j;
   memset(D, 0, 36 * sizeof(double));
   size = sqrt(d[0] * d[0] + d[1] * d[1] + L * L * (d[3] * d[3] + d[4] * d[4]) + R * R * d[5] * d[5]);
-  if (size <= ORIGIN && fabs(d[2]) <= ORIGIN && state[S_WAY] == 0.0) {
+  if (size <= ORIGIN && fabs(d[2]) <= ORIGIN && is_at_rest(state)) {
     D[35] = P[P_TORSION];
     if (P[P_COUNT] > 0.0) D[35] += R * R * pysprings_rest(P, S);
     else secant(P, zero, zero, S, &lateral);
