@@ -241,7 +241,9 @@ def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> 
     """Return a sheet of a workbook; a formula without a stored value is a cell that is refused where it is used."""
     from openpyxl.utils import range_boundaries
 
-    xml = archive.read(values._worksheet_path)
+    xml = re.sub(
+        rb"<(/?)[A-Za-z_][\w.-]*:(?=[A-Za-z])", rb"<\1", archive.read(values._worksheet_path)
+    )  # <x:row> is <row>
     lines = list(_rows(path, values))
     if b"<f" in xml:
         by_line = dict(lines)
@@ -257,16 +259,23 @@ def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> 
     for ref in re.findall(rb'<mergeCell [^>]*?ref="([A-Z0-9:]+)"', xml):
         left, top, right, bottom = (int(each or 0) for each in range_boundaries(ref.decode()))
         merged.append((top, left, bottom, right))
-    hidden = rb'<row (?=[^>]*hidden="(?:1|true)")[^>]*?\br="(\d+)"'
+    rows = {int(found[1]) for tag in _hidden(xml, b"row", b"ht") if (found := re.search(rb'\br="(\d+)"', tag))}
     columns = [
         (int(low), int(high))
-        for tag in re.findall(rb'<col (?=[^>]*hidden="(?:1|true)")[^>]*>', xml)
+        for tag in _hidden(xml, b"col", b"width")
         for low, high in [(re.search(rb'min="(\d+)"', tag)[1], re.search(rb'max="(\d+)"', tag)[1])]  # type: ignore[index]
     ]
     return Sheet(
         f"{path}[{values.title}]", values.title, lines, "", values.sheet_state != "visible", merged,
-        frozenset(map(int, re.findall(hidden, xml))), frozenset(k for a, b in columns for k in range(a, b + 1)),
+        frozenset(rows), frozenset(k for a, b in columns for k in range(a, b + 1)),
     )  # fmt: skip
+
+
+def _hidden(xml: bytes, tag: bytes, size: bytes) -> list[bytes]:
+    """Return the tags of rows or columns that a sheet does not show: hidden, or of no height or width."""
+    tags: list[bytes] = re.findall(rb"<%b [^>]*>" % tag, xml)
+    wanted = re.compile(rb'\s(?:hidden="(?:1|true)"|%b="0(?:\.0*)?")' % size)
+    return [each for each in tags if wanted.search(each)]
 
 
 def _no_value(coordinate: str, formula: str) -> str:

@@ -119,7 +119,7 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
             ["--sequence", "x.csv", "--H", "1 MN", "--u", "1 mm"],
             ["--H: give either this or --sequence: the file holds loads, motions and their height"],
         ),
-        (["--H", "1 MN", "--path", "nope"], ["path: no path 'nope'; the springs have: pull"]),
+        (["--H", "1 MN", "--path", "nope"], ["--path: no path 'nope'; the springs have: pull"]),
     ],
 )
 def test_predict_refuses(springs_file: Path, args: list[str], messages: list[str]) -> None:
@@ -190,7 +190,7 @@ def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
     there = command("compare", springs_file, "--springs", "fan")
     assert (there.code, there.err) == (
         2,
-        "fatal: user input: springs_kind: no springs 'fan' here; there are: py, full\n",
+        "fatal: user input: --springs: no springs 'fan' here; there are: py, full\n",
     )
 
 

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Tables as people bring them, in each of the five readers: read with the same numbers, or refused with their place."""
 
+import io
 import re
 import warnings
+import zipfile
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -112,6 +114,7 @@ SAME: dict[str, Callable[[Rows], Any]] = {
     "blank lines": lambda rows: lines(rows).replace("\n", "\n\n"),
     "quotes": lambda rows: lines(headed(rows, lambda text: '"' + text.replace(" [", "\n[") + '"')),
     "workbook": book,
+    "workbook with prefixes": lambda rows: prefixed(book(rows)),
     "title page": lambda rows: book(rows, with_title),
     "numbers as texts": lambda rows: book(rows, as_texts),
     "coloured empty cells": lambda rows: book(rows, coloured),
@@ -153,6 +156,24 @@ def twice(made: Any, sheet: Any) -> None:
     made.copy_worksheet(sheet)
 
 
+def written_by_others(made: openpyxl.Workbook, pattern: str, by: str | Callable[[re.Match[str]], str]) -> bytes:
+    """The workbook with another text for a pattern in its sheets."""
+    with io.BytesIO() as first, io.BytesIO() as second:
+        made.save(first)
+        with zipfile.ZipFile(first) as old, zipfile.ZipFile(second, "w") as new:
+            for name in old.namelist():
+                text = old.read(name)
+                new.writestr(name, re.sub(pattern, by, text.decode()) if "worksheets/sheet" in name else text)
+        return second.getvalue()
+
+
+def prefixed(made: openpyxl.Workbook) -> bytes:
+    """With a prefix before every tag, as Open XML SDK and ClosedXML write them."""
+    return written_by_others(
+        made, r"<(/?)(?=[a-zA-Z])|xmlns(?==)", lambda m: f"<{m[1]}x:" if m[1] is not None else "xmlns:x"
+    )
+
+
 REFUSED: dict[str, tuple[Callable[[Rows], Any], str]] = {
     "formula": (in_book("=10*2"), r'\[Sheet\]:2: .*: cell [A-F]2 holds the formula "=10\*2" without a stored value'),
     "error": (in_book("#REF!"), r"cell [A-F]2 holds the error #REF!"),
@@ -161,6 +182,15 @@ REFUSED: dict[str, tuple[Callable[[Rows], Any], str]] = {
     "merged": (lambda rows: book(rows, merged), r"the cells [A-F]2:[A-F]3 are merged"),
     "hidden row": (lambda rows: book(rows, hidden_row), r":3: the row is hidden"),
     "hidden column": (lambda rows: book(rows, hidden_column), r":1: .*the column is hidden"),
+    "formula, prefixes": (lambda rows: prefixed(in_book("=10*2")(rows)), r"the formula .* without a stored value"),
+    "merged, prefixes": (lambda rows: prefixed(book(rows, merged)), r"the cells [A-F]2:[A-F]3 are merged"),
+    "hidden row, prefixes": (lambda rows: prefixed(book(rows, hidden_row)), r":3: the row is hidden"),
+    "hidden column, prefixes": (lambda rows: prefixed(book(rows, hidden_column)), r":1: .*the column is hidden"),
+    "no height": (lambda rows: written_by_others(book(rows), r'<row r="3"', '<row r="3" ht="0" customHeight="1"'),
+                  r":3: the row is hidden"),
+    "no width": (lambda rows: written_by_others(
+        book(rows), "<sheetData>", '<cols><col min="2" max="2" width="0" customWidth="1"/></cols><sheetData>'),
+                 r":1: .*the column is hidden"),
     "hidden sheet": (lambda rows: book(rows, hidden_sheet), r"hidden|no sheet with a table"),
     "heading twice": (lambda rows: lines([[*row, row[-1]] for row in rows]), r":1: .*column stands 2 times"),
     "no heading": (lambda rows: lines([[*rows[0], ""], *([*row, 7.5] for row in rows[1:])]), r"values and no heading"),

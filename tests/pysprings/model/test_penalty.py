@@ -42,6 +42,6 @@ def test_a_penalty_beyond_the_limit_is_replaced_and_said() -> None:
     assert penalty.shear == 1e8
     assert len(penalty.remarks) == 1
     assert penalty.remarks[0].startswith(
-        "interface.normal_stiffness: 1e+14 N/m3 is too stiff to solve with; 1e+11 N/m3"
+        "interface.normal_stiffness: 100,000 GN/m3 is too stiff to solve with; 100 GN/m3"
     )
     assert (build_model(asked).model.contact[:, KN] == penalty.normal).all()

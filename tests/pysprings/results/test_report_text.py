@@ -87,7 +87,7 @@ def down() -> tuple[xr.DataTree, xr.DataTree]:
     return result, springs
 
 
-ROUNDING = re.compile(r"-?\d\.?\d*e-(1[2-9]|[2-9]\d)|0\.0e\+00")
+ROUNDING = re.compile(r"-?\d\.?\d*e-([1-9]\d)|0\.0e\+00")
 NONE = RunRecord(Status.COMPLETE, error_estimate={"estimate_pct": {}, "why_not": "no path in common"})
 
 
