@@ -104,8 +104,10 @@ class SpaceSprings:
             K = table.stiffness
         else:
             K = np.nan if springs.stiffness is None else float(springs.stiffness[1, 1])
-        down = table, K, springs.ends, elastic_loads(springs)
-        return cls(elements.space, *size, V, load_scale, springs.path(), springs.attrs, *down)
+        return cls(
+            elements.space, *size, V, load_scale, springs.path(), springs.attrs, table, K, springs.ends,
+            elastic_loads(springs),
+        )  # fmt: skip
 
     @property
     def has_torsion(self) -> bool:
