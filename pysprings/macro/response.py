@@ -314,9 +314,9 @@ class RowSprings(Response):
         return np.stack([self.origin.u, self.origin.turn], axis=1)
 
     def _lateral(self, states: Array) -> Array:
-        """Return the net p (depth, step) [N/m] that the springs give; 0 where the set has no spring."""
+        """Return the net p (depth, step) [N/m] that the springs give; 0 where the set has no spring at that depth."""
         t, depth = self.table, self.origin.depth
-        rows = np.flatnonzero(np.array(t.name) == "p")
+        rows = np.flatnonzero((np.array(t.name) == "p") & np.isin(t.depth, depth))
         p = np.zeros((depth.size, len(states)))
         p[np.searchsorted(depth, t.depth[rows])] = row_values(
             t.q[rows], t.r[rows], t.slope[rows], t.count[rows], t.read(states)[rows]

@@ -115,6 +115,14 @@ def answer_cases(
 
 MOTIONS = {"u_m": "u", "w_m": "w", "rotation_rad": "rotation", "tilt_used": "tilt"}
 LARGEST = MOTIONS | {"utilisation": "utilisation", "utilisation_V": "V used"}
+# of the estimate that has the largest value of a column
+BESIDE = {
+    "u_m": ("secant_H_u_N_per_m", "u_x_m", "u_y_m", *STIFFNESS.values()),
+    "rotation_rad": ("secant_M_rotation_Nm", "rot_x_rad", "rot_y_rad"),
+    "utilisation": ("H_capacity_N", "M_capacity_Nm", "capacity_kind"),
+    "utilisation_V": ("capacity_V_N", "capacity_V_kind"),
+}
+WORST = ("tilt_deg", "range_used", "mesh_error_pct", "twist_rad")
 BOUNDS = {"u_bound_m": "u", "rotation_bound_rad": "rotation", "utilisation_bound": "utilisation"}
 
 
@@ -122,8 +130,10 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
     """Return the answers of several estimates, a row a case and estimate, and the rows that govern, a row a case.
 
     A row that governs has the largest motion and utilisation over the estimates, and the worst verdict; `estimate`
-    names the estimate of each: "low (u, rotation), high (utilisation)". Everything else is of the estimate of that
-    verdict. Motions are blank where one estimate has no answer, bounds where one has none: the largest is not known.
+    names the estimate of each: "low (u, rotation), high (utilisation)". Secants and tangents are of the estimate of
+    their motion, capacities of that of their utilisation, mesh error and range used the largest, everything else of the
+    estimate of that verdict. Motions are blank where one estimate has no answer, utilisations where one knows no
+    capacity, bounds where one has none: the largest is not known.
     """
     order = (OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)
     all_rows, rows = [], []
@@ -133,14 +143,16 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
         found: dict[str, list[str]] = {}
         known = all(each["answered"] for each in own.values())
         for column, words in LARGEST.items():
-            values = {name: each[column] for name, each in own.items() if pd.notna(each[column])}
-            values = values if known or column not in MOTIONS else {}
-            name = max(values, key=lambda each: abs(values[each]), default="")
-            row[column] = values.get(name, np.nan)
-            found.setdefault(name, []).append(words)
+            values = {name: each[column] for name, each in own.items()}
+            lost = [name for name, value in values.items() if pd.isna(value) or (column in MOTIONS and not known)]
+            name = lost[0] if lost else max(values, key=lambda each: abs(values[each]))
+            row[column] = np.nan if lost else values[name]
+            for beside in (each for each in BESIDE.get(column, ()) if each in row.index):
+                row[beside] = np.nan if lost and column in MOTIONS else own[name][beside]
+            found.setdefault("" if lost else name, []).append(words)
         for column in BOUNDS:
             row[column] = np.max([each.get(column, np.nan) for each in own.values()])  # NaN where one is
-        for column in ("tilt_deg", *(name for name in row.index if name.startswith("group_"))):
+        for column in (name for name in row.index if name in WORST or name.startswith("group_")):
             row[column] = max((each[column] for each in own.values()), key=abs) if known else np.nan
         row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
         row["estimate"] = ", ".join(f"{name} ({', '.join(words)})" for name, words in found.items() if name)

@@ -209,3 +209,17 @@ def test_the_stated_error_is_that_of_paths_at_the_v_of_the_table() -> None:
     assert not any("check" in line or "held-back" in line for line in there)
     assert "calibration paths, largest: H" in there[0] and "slide_6" in there[0] + there[2]
     assert there[1].endswith("no path is held back at V = 6000 kN") and there[3].endswith("at V = 6000 kN")
+
+
+def test_curves_at_mudline_and_tip_keep_force_and_moment() -> None:
+    """Depths that are no ring of the mesh, the ends of the skirt among them."""
+    springs = Springs.of(make_springs(PATHS))
+    slid = springs.paths["across"]
+    curves = table(depths=f"0, 0.5, {springs.length} m")
+    for share in (0.4, 1.0):
+        k = round(share * (slid.n - 1))
+        force, couple = loads(curves, float(slid.u[k]), 0.0)
+        assert force == pytest.approx(float(slid["H"][k] - slid["H"][0]), rel=1e-2)
+        p = slid.p[:, k] - slid.p[:, 0]
+        moment = -float(p @ (slid.depth * slid.heights)) - springs.length * float(slid["H_tip"][k] - slid["H_tip"][0])
+        assert couple == pytest.approx(moment, rel=1e-2)

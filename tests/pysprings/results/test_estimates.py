@@ -99,6 +99,31 @@ def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
     assert worst["estimate"][0].startswith("low (utilisation")
 
 
+def test_numbers_beside_the_largest_are_those_of_its_estimate() -> None:
+    """H/u is the secant, H over its capacity the utilisation; no utilisation where one estimate knows no capacity."""
+    same = {"name": "a", "H_N": 1e6, "w_m": 0.0, "rotation_rad": 1e-3, "tilt_used": 0.1, "marks": "", "answered": 1}
+    same |= {"verdict": "ok", "tilt_deg": 0.1, "mesh_error_pct": 1.0}
+    best = same | {"u_m": 0.01, "secant_H_u_N_per_m": 1e8, "utilisation": 0.8, "H_capacity_N": 1.25e6}
+    low = same | {
+        "u_m": 0.02,
+        "secant_H_u_N_per_m": 5e7,
+        "utilisation": 0.5,
+        "H_capacity_N": 2e6,
+        "mesh_error_pct": 4.0,
+    }
+    best |= {"capacity_kind": "limit load", "utilisation_V": 0.1, "capacity_V_N": 1e6}
+    low |= {"capacity_kind": "end of the range", "utilisation_V": 0.2, "capacity_V_N": 5e5}
+    _, worst = governing({"best": pd.DataFrame([best]), "low": pd.DataFrame([low])})
+    (row,) = worst.to_dict("records")
+    assert (row["u_m"], row["secant_H_u_N_per_m"], row["mesh_error_pct"]) == (0.02, 5e7, 4.0)
+    assert (row["utilisation"], row["H_capacity_N"], row["capacity_kind"]) == (0.8, 1.25e6, "limit load")
+    assert (row["utilisation_V"], row["capacity_V_N"]) == (0.2, 5e5)
+    low |= {"utilisation": np.nan, "H_capacity_N": np.nan, "capacity_kind": "not known"}
+    (row,) = governing({"best": pd.DataFrame([best]), "low": pd.DataFrame([low])})[1].to_dict("records")
+    assert np.isnan(row["utilisation"]) and np.isnan(row["H_capacity_N"]) and row["capacity_kind"] == "not known"
+    assert "(utilisation" not in row["estimate"]
+
+
 def test_bounds_are_the_largest_over_the_estimates() -> None:
     row = {"name": "a", "u_m": 1.0, "w_m": 0.0, "rotation_rad": 1.0, "tilt_used": 0.1, "utilisation": 0.5}
     row |= {"utilisation_V": 0.2, "marks": "", "answered": 1, "verdict": "supported in part", "tilt_deg": 1.0}
