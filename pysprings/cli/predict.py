@@ -325,14 +325,16 @@ def _in_space(springs: AnySprings, read: Sequence, common: dict[str, Any]) -> xr
 
 def _tilted(springs: AnySprings, question: Question, common: Mapping[str, Any]) -> xr.Dataset:
     """Return the state under the load H > 0 that turns the caisson by an angle, one way or the other."""
+    import numpy as np
+
     from pysprings.macro import predict
 
     assert question.tilt is not None
     model = predict.model_of(springs, common["springs_kind"], common["path"], question.V)
     care = {name: common[name] for name in ("strict", "extrapolate")}
     arm = question.arm or 0.0
-    small = predict.way_to_motion(model, u=1e-6, arm=arm, n=1, extrapolate=True)  # which way a load turns it
-    way = -1.0 if float(small["rotation"][-1]) * float(small["H"][-1]) < 0.0 else 1.0
+    turn = np.linalg.solve(model.reactions(0.0, 0.0)[1], [1.0, arm])[1]  # by a small load
+    way = -1.0 if turn < 0.0 else 1.0
     states = predict.way_to_motion(model, rotation=way * abs(question.tilt), arm=arm, V=question.V, **care)
     return states.isel(step=[-1])
 

@@ -13,6 +13,7 @@ from pysprings.macro import predict
 from pysprings.springs.checks import open_springs, save_springs
 from tests.support import synthetic
 from tests.support.commands import command
+from tests.support.fans import RHO, fan_springs
 
 
 def states(*args: object) -> list[dict[str, float]]:
@@ -221,3 +222,15 @@ def test_messages_name_the_option_that_was_typed(springs_file: Path) -> None:
     ):
         done = command(*arguments)
         assert done.code == 2 and done.err.startswith(f"fatal: user input: {words}"), done.err
+
+
+@pytest.mark.parametrize("arm", [6.0, -9.0, -14.0, -16.0])
+def test_the_load_of_a_tilt_is_found_at_every_height(tmp_path: Path, arm: float) -> None:
+    """Also so far below mudline that the lid moves against the force, and back where the upper soil yields."""
+    tree = fan_springs(lambda z, y, turn: (3e2 * np.tanh(1e6 * y), 2e9 * turn), rho=1e-2 * RHO)
+    save_springs(tree, tmp_path / "springs.nc")
+    (state,) = states(tmp_path / "springs.nc", "--tilt", "1e-6 rad", f"--arm={arm} m")
+    assert state["H"] > 0.0 and abs(state["rotation"]) == pytest.approx(1e-6)
+    assert state["M"] == pytest.approx(arm * state["H"])
+    (again,) = states(tmp_path / "springs.nc", "--H", f"{state['H']} N", f"--arm={arm} m")
+    assert again["rotation"] == pytest.approx(state["rotation"], rel=1e-6)
