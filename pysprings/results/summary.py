@@ -181,7 +181,7 @@ def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | None
 
 
 def _tilt_on_path(run: Run, tolerated: float) -> str:
-    """Give the load of a tilt [deg] on the highest pull with a free head, or the tilt at its end."""
+    """Give the load of a tilt [deg] on the highest pull with a free head, or its largest tilt."""
     pulls = [(name, path) for name, path in _lateral(run) if PATH_KINDS[str(path.attrs["kind"])].free_head]
     pulls = [each for each in pulls if "arm_from_m" not in each[1].attrs]
     if not pulls:
@@ -189,10 +189,15 @@ def _tilt_on_path(run: Run, tolerated: float) -> str:
     name, path = max(pulls, key=lambda item: float(item[1].attrs.get("arm_m", 0.0)))
     turn, load = np.degrees(np.abs(path["rotation"].values)), np.abs(path["H"].values)
     where = f"under a load at {float(path.attrs['arm_m']):g} m (path {name})"
-    if turn.max() < tolerated or not (np.diff(turn) > 0.0).all():
-        last = 1e-6 * float(load[-1])
-        return f"{turn[-1]:.3g} deg at H {last:.4g} MN {where}; {tolerated:.3g} deg is not reached; no [design] load"
-    return f"{tolerated:.3g} deg at H {1e-6 * float(np.interp(tolerated, turn, load)):.4g} MN {where}; no [design] load"
+    reached = np.flatnonzero(turn >= tolerated)
+    if not reached.size:
+        at = int(turn.argmax())
+        found = f"{turn[at]:.3g} deg at H {1e-6 * float(load[at]):.4g} MN {where}; {tolerated:.3g} deg is not reached"
+        return f"{found}; no [design] load"
+    k = int(reached[0])
+    between = slice(max(k - 1, 0), k + 1)  # a path may turn back
+    there = 1e-6 * float(np.interp(tolerated, turn[between], load[between]))
+    return f"{tolerated:.3g} deg at H {there:.4g} MN {where}; no [design] load"
 
 
 def _range(run: Run) -> str:

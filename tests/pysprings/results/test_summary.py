@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import pysprings
@@ -97,3 +98,21 @@ def test_vertical_loads_stand_in_the_summary() -> None:
     share, push = (float(found) for found in re.findall(r", ([\d.]+) % used; largest known: push ([\d.]+) MN", text)[0])
     assert share == pytest.approx(200.0 / push, rel=1e-2)
     assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""
+
+
+def test_a_path_that_turns_back_gives_the_load_at_which_it_first_has_the_tilt(folder: Path) -> None:
+    """By its own states, the last of which has come back."""
+    tree = read_tree(folder / "full_model.nc")
+    path = tree["paths/pull"].to_dataset(inherit=False)
+    H, turn = (path[name].values for name in ("H", "rotation"))
+    there = [*range(path.sizes["step"]), *range(path.sizes["step"] - 2, 0, -1)]
+    tree["paths/pull"].dataset = path.isel(step=there).assign_coords(step=range(len(there)))
+    springs = pysprings.open_springs(folder / "springs.nc")
+    for share, words in ((0.6, "deg at H {:.4g} MN under a load"), (1.5, "deg at H {:.4g} MN under .* is not reached")):
+        record = RunRecord.read(folder)
+        assert record is not None
+        tolerated = share * float(abs(turn[-1]))
+        record.scene_toml = tiny.scene(design={"tilt": tolerated}).to_toml()
+        line = summary(tree, record, pysprings.compare(springs), springs)["tilt"]
+        load = np.interp(min(share, 1.0), np.abs(turn / turn[-1]), np.abs(H))
+        assert re.search(words.format(1e-6 * load), line), line
