@@ -51,7 +51,7 @@ gallery: $(DOCS)
 
 # pictures of the site, and of the report and workbook of a run, for docs/evidence, by Chromium and LibreOffice
 screenshots: $(DOCS)
-	$(BIN)/python -m tools.screenshots $(RESULT)
+	$(BIN)/python -m tools.pictures screenshots $(RESULT)
 
 test: $(DEV)
 	$(BIN)/python -m pytest -n 2 --dist worksteal
@@ -112,8 +112,7 @@ audit: $(DEV)
 figure: $(DEV)
 	$(BIN)/pysprings init out/fan.toml --template fan --force
 	$(BIN)/pysprings run out/fan.toml --mesh coarse --out out/fan --force
-	$(BIN)/python -m tools.readme_picture out/fan
-	$(BIN)/python -m tools.thumbnails out/fan
+	$(BIN)/python -m tools.pictures figure out/fan
 
 # the study of the paper behind the model: its runs, figures, claims beside ours, in out/paper-MESH; runs what has not
 # run yet (8 minutes on `medium`; SENSITIVITY=1 also varies what the paper leaves open). Its tables and pictures as evidence
@@ -143,11 +142,9 @@ stability: $(DEV)
 bench: $(DEV)
 	$(BIN)/python -m benchmarks.bench $(SECTION)
 
-# an elastic caisson, pushes with contact, and the macro-model of a run in OpenSees, CalculiX and Kratos, where they are there
-KRATOS := KratosMultiphysics KratosStructuralMechanicsApplication
+# an elastic caisson, and pushes with contact, in OpenSees and CalculiX, where they are there
 bench-peers: $(DEV)
-	-$(BIN)/uv pip install --quiet --only-binary :all: --python $(BIN)/python $(KRATOS)
-	$(BIN)/python -m benchmarks.peers $(or $(filter-out out/caisson,$(RESULT)),out/fan)
+	$(BIN)/python -m benchmarks.peers
 
 # OpenFAST's NREL 5 MW turbine on one bucket, into out/turbine: OpenFAST 5.x in the search path, RTEST=its folder r-test
 turbine: $(DEV)

@@ -3,7 +3,7 @@
 
 units    the paper's pull, drained, on `paper`: wall time in units of one factorisation and solve of its own tangent
 growth   unit, wall time and memory against unknowns, drained and coupled, with fitted exponents
-fine     the same pull on at least 100,000 nodes
+fine     the same pull on at least 100,000 nodes, its cost by unknown beside that of `paper`
 
 Every run is a process of its own with warm caches; pictures are left out. Seconds depend on the machine, and on what
 else it does; the ratios less so.
@@ -12,7 +12,7 @@ else it does; the ratios less so.
 import argparse
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,14 @@ import numpy as np
 from pysprings.full_model.run_record import RunRecord
 
 MM = 1.0e-3
-FINE = "fine"
 GROWTH = {
     "drained": ("coarse:0.7", "coarse", "medium", "medium:1.4", "paper", "fine:1.02"),
     "coupled": ("coarse", "medium", "medium:1.4", "paper", "fine:0.92"),
+}
+SECTIONS = {  # mesh, end [m], mode of its runs
+    "units": [("paper", end * MM, "drained") for end in (2.5, 20.0)],
+    "growth": [(mesh, MM, mode) for mode, meshes in GROWTH.items() for mesh in meshes],
+    "fine": [(mesh, 2.5 * MM, "drained") for mesh in ("paper", "fine")],
 }
 
 
@@ -74,42 +78,23 @@ def exponents(n: Sequence[float], values: Sequence[float]) -> tuple[float, float
 
 def cost_per_unknown(run: RunRecord, beside: RunRecord) -> float:
     """Return the wall time by unknown of a run, over that of another."""
-    each = [one.wall_s / one.mesh.unknowns for one in (run, beside)]
-    return float(each[0] / each[1])
+    return float(run.wall_s / run.mesh.unknowns / (beside.wall_s / beside.mesh.unknowns))
 
 
-def units() -> None:
-    """Print wall time to 2.5 and 20 mm in units of the tangent's own factorisation and solve."""
-    for end in (2.5 * MM, 20.0 * MM):
-        print(text_of(f"paper, to {end / MM:g} mm", record("paper", end)), flush=True)
-
-
-def growth() -> None:
-    """Print exponents of cost and memory over unknowns, to 1 mm."""
-    for mode, meshes in GROWTH.items():
-        runs = []
-        for mesh in meshes:
-            runs.append(record(mesh, 1.0 * MM, mode))
-            print(text_of(f"{mesh}, {mode}", runs[-1]), flush=True)
-        n = [run.mesh.unknowns for run in runs]
-        for what, values in (
-            ("unit", [run.solver.unit_s for run in runs]),
-            ("wall", [run.wall_s for run in runs]),
-            ("memory", [run.solver.peak_before_unit_bytes for run in runs]),
-        ):
-            slope, last = exponents(n, values)
+def measure(runs: Sequence[tuple[str, float, str]]) -> None:
+    """Print the cost of runs (mesh, end [m], mode); by mode its growth over meshes, or the last beside the first."""
+    for mode in dict.fromkeys(mode for *_, mode in runs):
+        found = []
+        for mesh, end in (each[:2] for each in runs if each[2] == mode):
+            found.append(record(mesh, end, mode))
+            print(text_of(f"{mesh}, {mode}, to {end / MM:g} mm", found[-1]), flush=True)
+        if len(found) == 2:
+            print(f"cost per unknown: {cost_per_unknown(found[1], found[0]):.2f} times that of the first")
+            continue
+        table = [(run.solver.unit_s, run.wall_s, run.solver.peak_before_unit_bytes) for run in found]
+        for what, values in zip(("unit", "wall", "memory"), zip(*table, strict=True), strict=True):
+            slope, last = exponents([run.mesh.unknowns for run in found], values)
             print(f"{mode}: {what} grows with unknowns to the power {slope:.2f} (last two meshes {last:.2f})")
-
-
-def fine() -> None:
-    """Print the cost of the paper's pull to 2.5 mm on `fine`, and its cost per unknown beside that of `paper`."""
-    runs = {mesh: record(mesh, 2.5 * MM) for mesh in ("paper", FINE)}
-    for mesh, run in runs.items():
-        print(text_of(f"{mesh}, {run.mesh.nodes:,} nodes", run), flush=True)
-    print(f"cost per unknown: {cost_per_unknown(runs[FINE], runs['paper']):.2f} times that of paper")
-
-
-SECTIONS: dict[str, Callable[[], None]] = {"units": units, "growth": growth, "fine": fine}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -123,8 +108,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for mode in GROWTH:  # compiled code is kept on disk from here on
         record("coarse:0.5", 0.1 * MM, mode)
     for name in chosen:
-        print(f"\n{name}: {SECTIONS[name].__doc__}", flush=True)
-        SECTIONS[name]()
+        print(f"\n{name}", flush=True)
+        measure(SECTIONS[name])
 
 
 if __name__ == "__main__":

@@ -6,40 +6,40 @@
 
 The truth of a scene is extrapolated from the meshes of `--truth` as in `pysprings accuracy` (the finest as it is where
 no order can be fitted), the estimate is that of `pysprings run --estimate-error` at each mesh of `--at`. Prints a line
-a scene and mesh, then how often the estimate covers the error (asked: nine times in ten), the safety factor with
-which it just would, and the median of estimate over truth. What has run is kept in the folder; the same command goes
-on. ``--table`` writes the table of the evidence. For bricks nothing was fitted to these scenes; for Fourier series
-(`--fourier`) the settings were chosen with all scenes at hand but those of LATER and CLAY (`--clay`: these alone),
-which were drawn afterwards.
+a scene, mesh and quantity, then how often the estimate covers the error (asked: nine times in ten), the median of
+estimate over true error, and the safety factors with which nine of ten estimates, and all, would just cover. What has
+run is kept in the folder; the same command goes on. ``--table`` writes the table of the evidence. For bricks nothing
+was fitted to these scenes; for Fourier series (`--fourier`) the settings were chosen with all scenes at hand but those
+of LATER and CLAY (`--clay`: these alone), which were drawn afterwards.
 """
 
 import argparse
 import json
 import math
-import statistics
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
 from scipy.stats import qmc
 
-from benchmarks import kept_runs
 from pysprings import Scene
+from pysprings.core import version
 from pysprings.core.errors import PyspringsError
-from pysprings.core.storage import write_text
+from pysprings.core.storage import read_tree, write_tree
 from pysprings.full_model.accuracy import measures, two_mesh
 from pysprings.full_model.accuracy.measures import cell_size, curves_of, samples
 from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_of
 from pysprings.full_model.accuracy.presets import read_mesh
-from pysprings.full_model.compute import scene_to_run
+from pysprings.full_model.compute import compute, scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
 from pysprings.scene.sections import PAPER, PAPER_SOIL
 from pysprings.springs.path import paths_of
 
 ASKED = 0.9
-HEAD = ("quantity", "estimates", "true error covered", "median of estimate over true error",
-        "median of true error [%]", "largest true error [%]")  # fmt: skip
+COLUMNS = ["scene", "mesh", "quantity", "estimate", "true", "uncertain", "needed", "why"]
 WORDS = {"load_max": "load", "py_rms": "p-y", "rotation_max": "rotation", "stiffness": "initial stiffness"}
 # Fourier series -> meshes of the truth, meshes whose estimates are judged
 MESHES = {
@@ -72,43 +72,44 @@ def soil(phi: float, young: float, k0: float, cohesion: float = 0.0, **more: Any
 
 
 # Scenes of Latin hypercubes, beside those by hand: name, number, seed
-DRAWN, LATER = ("drawn", 18, 20), ("later", 12, 2026)
+DRAWN, LATER, CLAY = ("drawn", 18, 20), ("later", 12, 2026), ("clay", 20, 2611)
 # diameter m, L/D, friction angle deg, Young's modulus MPa, K0, friction at the wall, arm over D, displacement over D
-LOWEST = (3.0, 0.3, 29.0, 20.0, 0.8, 0.2, 0.0, 0.0003)
-HIGHEST = (16.0, 1.2, 41.0, 200.0, 1.1, 0.6, 5.0, 0.0012)
+SAND_RANGE = ((3.0, 0.3, 29.0, 20.0, 0.8, 0.2, 0.0, 0.0003), (16.0, 1.2, 41.0, 200.0, 1.1, 0.6, 5.0, 0.0012))
+# diameter m, L/D, su at mudline kPa, k D/su, G/su, adhesion, arm over D, displacement over D
+CLAY_RANGE = ((4, 0.25, 2, 0, 100, 0.3, 0, 0.005), (14, 1.5, 30, 6, 800, 1, 5, 0.05))
+Ends = tuple[tuple[float, ...], tuple[float, ...]]
+
+
+def hypercube(name: str, number: int, seed: int, ends: Ends) -> Iterator[tuple[int, str, list[float]]]:
+    """Yield index, name and values of the scenes of a Latin hypercube between two ends."""
+    points = qmc.scale(qmc.LatinHypercube(len(ends[0]), seed=seed).random(number), *ends)
+    yield from ((k, f"{name}-{k + 1}", point) for k, point in enumerate(points.round(4).tolist()))
 
 
 def drawn(name: str, number: int, seed: int) -> dict[str, dict[str, Any]]:
-    """Return the scenes of a Latin hypercube, each third of them with stiffness that grows with depth."""
-    points = qmc.scale(qmc.LatinHypercube(len(LOWEST), seed=seed).random(number), LOWEST, HIGHEST)
+    """Return scenes of sand, each third of them with stiffness that grows with depth."""
     scenes = {}
-    for k, (d, ratio, phi, young, k0, mu, arm, reach) in enumerate(points.round(4).tolist()):
+    for k, title, (d, ratio, phi, young, k0, mu, arm, reach) in hypercube(name, number, seed, SAND_RANGE):
         ground = soil(phi, young, k0, friction_angle_initial="auto")
         if k % 3 == 0:
             stiffness = {"reference": 1e6 * young, "reference_stress": 100e3, "exponent": 0.5}
             ground["soil"]["layer"] = [{"top": 0.0, "name": "sand", "young_modulus": stiffness}]
-        scenes[f"{name}-{k + 1}"] = caisson(d, ratio) | ground | {
+        scenes[title] = caisson(d, ratio) | ground | {
             "path": pull(1e3 * reach * d, arm * d), "interface": {"friction_coefficient": mu}
         }  # fmt: skip
     return scenes
 
 
-# Total stress, every second with a gap. m, L/D, su at mudline kPa, k D/su, G/su, adhesion, arm over D, displacement
-# over D
-CLAY, SOFTEST, STIFFEST = ("clay", 20, 2611), (4, 0.25, 2, 0, 100, 0.3, 0, 0.005), (14, 1.5, 30, 6, 800, 1, 5, 0.05)
-
-
 def clays(name: str, number: int, seed: int) -> dict[str, dict[str, Any]]:
-    """Return scenes of clay of a Latin hypercube."""
-    points = qmc.scale(qmc.LatinHypercube(len(SOFTEST), seed=seed).random(number), SOFTEST, STIFFEST)
+    """Return scenes of clay in total stress, every second with a gap."""
     scenes = {}
-    for k, (d, ratio, su, growth, stiffness, alpha, arm, reach) in enumerate(points.round(4).tolist()):
+    for k, title, (d, ratio, su, growth, stiffness, alpha, arm, reach) in hypercube(name, number, seed, CLAY_RANGE):
         layer = {
             "top": 0.0, "name": "clay", "law": "tresca", "poisson_ratio": 0.49, "effective_unit_weight": 7e3,
             "undrained_shear_strength": {"top": 1e3 * su, "gradient": 1e3 * su * growth / d},
             "rigidity_ratio": stiffness,
         }  # fmt: skip
-        scenes[f"{name}-{k + 1}"] = caisson(d, ratio) | {
+        scenes[title] = caisson(d, ratio) | {
             "soil": {"surcharge": 0.0, "layer": [layer]}, "path": pull(1e3 * reach * d, arm * d),
             "interface": {"adhesion_factor": alpha, "opening": ("vented", "bonded")[k % 2]},
         }  # fmt: skip
@@ -155,35 +156,43 @@ def scene_of(name: str, reach: float) -> Scene:
 
 def result_of(scene: Scene, folder: Path) -> Any:
     """Return the result of a scene, stored by this version or run now. Raises PyspringsError if the run stops."""
-    tree = kept_runs.result_of(scene, folder)
+    file = folder / f"{scene.sha256[:16]}.nc"
+    tree = read_tree(file) if file.exists() else None
+    if tree is None or tree.attrs["pysprings_version"] != version.__version__:
+        done = compute(scene)
+        if done.interrupted:
+            raise KeyboardInterrupt
+        tree = done.recorded()
+        folder.mkdir(parents=True, exist_ok=True)
+        write_tree(tree, file)
     if tree.attrs["status"] != "complete":
         raise PyspringsError("; ".join(json.loads(tree.attrs["run_json"])["failures"]))
     return tree
 
 
 def lines_of(name: str, at: Sequence[str], truth: Sequence[str], reach: float, folder: Path) -> list[dict[str, Any]]:
-    """Return one line a mesh: estimate and true error of each measure that is estimated, or why there is none."""
-    scene = scene_of(name, reach)
-    try:
-        results = [result_of(read_mesh(text).scene(scene), folder) for text in truth]
-    except PyspringsError as error:
-        return [{"scene": name, "mesh": text, "why": f"no truth: {error}"} for text in at]
-    lines = []
-    for text in at:
-        line: dict[str, Any] = {"scene": name, "mesh": text}
+    """Return a line a mesh and quantity: estimate and true error [%], or one a mesh with why there is none."""
+    scene, lines = scene_of(name, reach), list[dict[str, Any]]()
+    for mesh in at:
+        head = {"scene": name, "mesh": mesh}
         try:
-            run, estimate = estimated(read_mesh(text).scene(scene), folder)
+            results = [result_of(read_mesh(text).scene(scene), folder) for text in truth]
+            run, estimate = estimated(read_mesh(mesh).scene(scene), folder)
         except PyspringsError as error:
-            lines.append(line | {"why": str(error)})
+            lines.append(head | {"why": str(error)})
             continue
         if not estimate["estimate_pct"]:
-            lines.append(line | {"why": estimate["why_not"]})
-            continue
+            lines.append(head | {"why": estimate["why_not"]})
         true, doubt = true_errors(run, results)
-        line |= {"harmonics": str(run.attrs.get("harmonics", "")), "safety": estimate["safety"]}
-        line |= {"estimate_pct": estimate["estimate_pct"], "true_pct": true, "truth_uncertain_pct": doubt}
-        lines.append(line)
+        for key, stated in estimate["estimate_pct"].items():
+            lines.append(head | line_of(key, stated, true[key], doubt[key], estimate["safety"]))
     return lines
+
+
+def line_of(key: str, stated: float, true: float, doubt: float, safety: float) -> dict[str, Any]:
+    """Return the figures of a quantity; errors in %, the safety factor with which the estimate would just be true."""
+    needed = 0.0 if true == 0.0 else safety * true / stated if stated else math.inf
+    return {"quantity": WORDS[key], "estimate": stated, "true": true, "uncertain": doubt, "needed": needed}
 
 
 def estimated(scene: Scene, folder: Path) -> tuple[Any, dict[str, Any]]:
@@ -212,89 +221,34 @@ def true_errors(run: Any, series: Sequence[Any]) -> tuple[dict[str, float], dict
         reference = measures.reference_of([each[name] for name in names], h)
         errors.append(measures.errors(each["run"], {name: one.values for name, one in reference.items()}))
         doubts.append(measures.uncertainty(reference))
-    return _estimated(measures.worst(errors)), _estimated(measures.worst(doubts))
+    worst = (measures.worst(errors), measures.worst(doubts))
+    true, doubt = ({name: each[name] for name in two_mesh.ESTIMATED} for each in worst)
+    return true, doubt
 
 
-def _estimated(errors: Mapping[str, float]) -> dict[str, float]:
-    return {name: errors[name] for name in two_mesh.ESTIMATED}
+def coverage(lines: pd.DataFrame) -> pd.DataFrame:
+    """Return how often estimates cover, by mesh and quantity, of all scenes and of those of LATER.
 
-
-def needed_safety(estimate: float, true: float, safety: float) -> float:
-    """Return the safety factor with which an estimate made with ``safety`` would just be the true error (both in %)."""
-    if true == 0.0:
-        return 0.0
-    return safety * true / estimate if estimate else math.inf
-
-
-def coverage(lines: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return how often estimates cover by measure, the safety factor that nine of ten need, and the excess.
-
-    The truth is taken as it is: what it is uncertain by stands in the lines. The excess is the median of estimate over
-    truth.
+    The truth is taken as it is: what it is uncertain by stands in the lines.
     """
-    good = [line for line in lines if "why" not in line]
-    summary: dict[str, Any] = {"estimates": len(good)}
-    for name in two_mesh.ESTIMATED:
-        each = [
-            (line["estimate_pct"][name], line["true_pct"][name], line["safety"])
-            for line in good
-            if name in line["estimate_pct"] and math.isfinite(line["true_pct"][name])
-        ]
-        if each:
-            needed = sorted(needed_safety(*one) for one in each)
-            summary[name] = {
-                "covered": sum(estimate >= true for estimate, true, _ in each),
-                "of": len(each),
-                "safety_needed": needed[math.ceil(ASKED * len(needed)) - 1],
-                "largest_needed": needed[-1],
-                "median_true_pct": statistics.median(true for _, true, _ in each),
-                "largest_true_pct": max(true for _, true, _ in each),
-                "median_excess": statistics.median(estimate / true if true else math.inf for estimate, true, _ in each),
-            }
-    return summary
-
-
-def report(lines: Sequence[dict[str, Any]]) -> None:
-    """Print the lines, and the coverage."""
-    print(f"estimate and true error [%] (truth uncertain by): {', '.join(two_mesh.ESTIMATED)}")
-    for line in lines:
-        head = f"{line['scene']:14} {line['mesh']:11}"
-        if "why" in line:
-            print(f"{head} none: {line['why']}")
-            continue
-        parts = [
-            f"{line['estimate_pct'].get(name, math.nan):7.2f} {line['true_pct'][name]:7.2f} "
-            f"({line['truth_uncertain_pct'][name]:.2f})"
-            for name in two_mesh.ESTIMATED
-        ]
-        print(f"{head} {'   '.join(parts)}")
-    for mesh in dict.fromkeys(line["mesh"] for line in lines):
-        total = coverage([line for line in lines if line["mesh"] == mesh])
-        for name in two_mesh.ESTIMATED:
-            if name in total:
-                each = total[name]
-                print(
-                    f"{mesh}, {name}: covered {each['covered']} of {each['of']}; nine of ten need a safety of "
-                    f"{each['safety_needed']:.2f}, all {each['largest_needed']:.2f}; estimate over true error "
-                    f"{each['median_excess']:.1f} in the median; true error {each['median_true_pct']:.2f} % in the "
-                    f"median, {each['largest_true_pct']:.2f} at most"
-                )
-
-
-def table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
-    """Return the rows of the evidence: each measure on each mesh, of all scenes and of those of LATER."""
-    rows = [list(HEAD)]
-    later = [line for line in lines if line["scene"].startswith(f"{LATER[0]}-")]
-    for mesh in dict.fromkeys(line["mesh"] for line in lines):
-        for words, part in (("", lines), (", drawn afterwards", later)):
-            total = coverage([line for line in part if line["mesh"] == mesh])
-            for name in two_mesh.ESTIMATED:
-                if name in total:
-                    one = total[name]
-                    head = f"{WORDS[name]}, {mesh.removeprefix('fourier-')}{words}"
-                    numbers = (one["median_excess"], one["median_true_pct"], one["largest_true_pct"])
-                    rows.append([head, str(one["of"]), str(one["covered"]), *(f"{value:.2g}" for value in numbers)])
-    return rows
+    known = lines[np.isfinite(lines["true"])]
+    later = known[known["scene"].str.startswith(f"{LATER[0]}-")]
+    rows = []
+    for mesh in known["mesh"].unique():
+        for words, part in (("", known), (", drawn afterwards", later)):
+            for quantity, each in part[part["mesh"] == mesh].groupby("quantity", sort=False):
+                needed = np.sort(each["needed"])
+                rows.append({
+                    "quantity": f"{quantity}, {mesh.removeprefix('fourier-')}{words}",
+                    "estimates": len(each),
+                    "true error covered": int((each["estimate"] >= each["true"]).sum()),
+                    "median of estimate over true error": (each["estimate"] / each["true"]).median(),
+                    "median of true error [%]": each["true"].median(),
+                    "largest true error [%]": each["true"].max(),
+                    "safety that nine of ten need": needed[math.ceil(ASKED * len(needed)) - 1],
+                    "safety that all need": needed[-1],
+                })  # fmt: skip
+    return pd.DataFrame(rows)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -311,17 +265,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--table", type=Path, help="CSV file of the evidence")
     options = parser.parse_args(arguments)
     warnings.simplefilter("ignore")  # a run's own warnings are in its record
-    lines = []
     truth, at = MESHES[options.fourier or options.clay]
     if options.clay:
         options.scene, truth = list(clays(*CLAY)), CLAY_TRUTH
+    lines = []
     for name in options.scene:
         lines += lines_of(name, options.at or at, options.truth or truth, options.reach, options.out)
         print(f"{name} done", flush=True)
-    write_text(json.dumps({"lines": lines, "coverage": coverage(lines)}, indent=1) + "\n", options.out / "table.json")
-    report(lines)
+    frame = pd.DataFrame(lines, columns=COLUMNS)
+    total = coverage(frame)
+    print(frame.to_csv(index=False, float_format="%.3g"), total.to_csv(index=False, float_format="%.2g"), sep="\n")
     if options.table is not None:
-        write_text("".join(",".join(f'"{cell}"' for cell in row) + "\n" for row in table(lines)), options.table)
+        total.to_csv(options.table, index=False, float_format="%.2g", lineterminator="\n")
 
 
 if __name__ == "__main__":

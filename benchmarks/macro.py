@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Speed of the macro-model: `python -m benchmarks.macro [SPRINGS]` prints what a curve, a batch and the command take.
 
-SPRINGS: springs.nc or the folder of a run; without it a fan of eight invented rays is used. Nothing is asserted.
+SPRINGS: springs.nc or the folder of a run; without it the springs of the atlas `clay` are used. Nothing is asserted.
 """
 
 import os
@@ -17,37 +17,17 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from pysprings import open_table
+from pysprings import load_scene, open_atlas
 from pysprings.cli.inputs import springs_of
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.model import spring_sets
 from pysprings.macro.predict import MacroModel, curve
+from pysprings.springs.checks import save_springs
 from pysprings.springs.springs import Springs
 
 CASES = 10_000
 REPEATS = 20
-ANGLES = (0.0, 20.0, 30.0, 40.0, 50.0, 60.0, -45.0, 90.0)  # degrees of (u, rotation times skirt length)
-LENGTH, RINGS, STEPS = 4.0, 9, 24  # m
-
-
-def invented(file: Path) -> xr.DataTree:
-    """Write a table of eight rays to 8 mm through a soil of hyperbolas, and return its springs."""
-    depth = np.linspace(0.0, LENGTH, RINGS)
-    edges = np.concatenate([[0.0], 0.5 * (depth[1:] + depth[:-1]), [LENGTH]])
-    lines = ["path,family,step,depth_m,depth_top_m,depth_bottom_m,y_m,p_N_per_m,rotation_rad,m_Nm_per_m,H_N,M_Nm"]
-    for k, angle in enumerate(np.radians(ANGLES)):
-        for step, rho in enumerate(8e-3 * np.linspace(0.0, 1.0, STEPS + 1) ** 1.5):
-            u, rotation = rho * np.cos(angle), rho * np.sin(angle) / LENGTH
-            for z, top, bottom in zip(depth, edges[:-1], edges[1:], strict=True):
-                y = u - rotation * z
-                size = np.sqrt(1.0 + (y**2 + (LENGTH * rotation) ** 2) / 4e-6)
-                place, motion = f"{z:.9g},{top:.9g},{bottom:.9g}", f"{rotation:.12g}"
-                lines.append(f"ray_{k},py,{step},{place},{y:.12g},{3e8 * y / size:.12g},{motion},,,")
-                lines.append(f"ray_{k},mtheta,{step},{place},,,{motion},{2e9 * rotation / size:.12g},,")
-            ends = {"base": (LENGTH, u - rotation * LENGTH), "lid": (0.0, u)}
-            lines += [f"ray_{k},{end},{step},{z:g},,,{y:.12g},,{motion},,0,0" for end, (z, y) in ends.items()]
-    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return open_table(file)
+SCENE = Path(__file__).parents[1] / "data" / "studies" / "clay-scene.toml"
 
 
 def seconds(work: Callable[[], object], repeats: int = REPEATS) -> tuple[float, float]:
@@ -101,8 +81,8 @@ def main() -> None:
         report(springs_of(Path(sys.argv[1])), Path(sys.argv[1]))
         return
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "py.csv"
-        report(invented(file), file)
+        springs = open_atlas("clay").springs(load_scene(SCENE))
+        report(springs, save_springs(springs, Path(folder) / "springs.nc"))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ of branches of a loop is compared over the largest one of the loop, peaks, secan
 is the change of w. Paths of loads beyond twice the reach have no aim, and a climb is compared as far as the reach.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,11 +21,17 @@ from pysprings.springs.springs import Springs
 
 Array = NDArray[np.float64]
 
-PULLS, CLAY = 0.3, 5.0  # what a pull may lose against the fan; all other aims in clay [%]
-INSIDE, BEYOND = 4.0, 10.0  # sequences of loads in the reach, and up to twice the reach [%]
-FAMILIES = ("pulls", "climb", "swipe", "loops", "ten cycles", "loads", "reversed ray")
-_RAY, _SWIPE, _LOOP_H, _LOOP_WORK = 12.0, 12.0, 10.0, 5.0
-_CLIMB_MOTION, _CLIMB_LOAD, _PEAKS, _CYCLE_WORK, _HEAVE = 5.0, 4.0, 5.0, 10.0, 15.0
+LIMITS = {  # of the error [%], by family of paths and quantity
+    "pulls": {"H, more than the fan": 0.3, "rotation, more than the fan": 0.3},
+    "climb": {"H at the motion": 5.0, "M at the motion": 5.0, "u at the load": 4.0, "rotation at the load": 4.0},
+    "swipe": {"H": 12.0, "M": 12.0},
+    "loops": {"H": 10.0, "work of pairs of branches": 5.0},
+    "ten cycles": {"peaks": 5.0, "secant": 5.0, "work of cycles": 10.0, "heave": 15.0},
+    "loads": {"u": 4.0, "rotation": 4.0},  # in the reach of the fan
+    "reversed ray": {"H": 12.0, "M": 12.0},
+}
+CLAY, BEYOND = 5.0, 10.0  # in clay all but pulls; loads up to twice the reach [%]
+FAMILIES = tuple(LIMITS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,34 +57,38 @@ class Aim:
 
 def aims(springs: Springs, model: MacroModel, clay: bool) -> list[Aim]:
     """Return what is aimed at on each held-back path, with the errors of a model; clay has limits of its own."""
-    fan = MacroModel.from_springs(springs, "fan")
-    found = []
+    fan, found = MacroModel.from_springs(springs, "fan"), list[Aim]()
     for path in springs.paths.values():
-        if path.role != "calibration" and not path.is_vertical and not path.remembers:
-            for family, quantity, error, limit in _of_path(path, model, fan):
-                found.append(Aim(family, path.name, quantity, error, CLAY if clay and family != "pulls" else limit))
+        if path.role == "calibration" or path.is_vertical or path.remembers:
+            continue
+        family, values = _errors_of(path, model, fan)
+        used = float(_used(path, fan).max())
+        for (quantity, limit), error in zip(LIMITS[family].items(), values, strict=True):
+            if clay and family != "pulls":
+                limit = CLAY
+            elif family == "loads" and used > 1.0 + RANGE_SLACK:
+                limit = BEYOND if used <= 2.0 else np.inf
+            found.append(Aim(family, path.name, quantity, error, limit))
     return found
 
 
-def _of_path(path: SpringPath, model: MacroModel, fan: MacroModel) -> Iterable[tuple[str, str, float, float]]:
-    """Return (family, quantity, error, limit) of a path."""
+def _errors_of(path: SpringPath, model: MacroModel, fan: MacroModel) -> tuple[str, list[float]]:
+    """Return the family of a path and its errors [%], in the order of the quantities of LIMITS."""
     if path.name == "climb":
         path = _within_reach(path, fan)
     one = follow_path(path, model)
     if path.name.startswith("pull_"):
-        return _pull(one, follow_path(path, fan))
+        without = follow_path(path, fan)
+        return "pulls", [_error(one, name) - _error(without, name) for name in ("H", "rotation")]
     if path.name.startswith("loop_"):
-        return _loop(one)
+        return "loops", loop_errors(one)
     if path.name.startswith("ten_cycles"):
-        return _ten_cycles(one)
+        return "ten cycles", _ten_cycles(one)
     if path.name == "climb":
-        return _climb(one, model)
+        return "climb", [*_at_the_motion(one, model), *(_error(one, name) for name in ("u", "rotation"))]
     if path.name in ("swipe", "ray_40_reversed"):
-        family, limit = ("swipe", _SWIPE) if path.name == "swipe" else ("reversed ray", _RAY)
-        return ((family, name, _error(one, name), limit) for name in ("H", "M"))
-    used = _reach_used(path, fan)
-    limit = INSIDE if used <= 1.0 + RANGE_SLACK else BEYOND if used <= 2.0 else np.inf
-    return (("loads", name, _error(one, name), limit) for name in ("u", "rotation"))
+        return "swipe" if path.name == "swipe" else "reversed ray", [_error(one, name) for name in "HM"]
+    return "loads", [_error(one, name) for name in ("u", "rotation")]
 
 
 def _error(one: Followed, name: str) -> float:
@@ -86,42 +96,27 @@ def _error(one: Followed, name: str) -> float:
     return float(row[f"{name}_error_pct"]) if row["answered"] else np.inf
 
 
-def _pull(one: Followed, fan: Followed) -> Iterator[tuple[str, str, float, float]]:
-    for name in ("H", "rotation"):
-        yield "pulls", f"{name}, more than the fan", _error(one, name) - _error(fan, name), PULLS
-
-
-def _loop(one: Followed) -> Iterator[tuple[str, str, float, float]]:
+def loop_errors(one: Followed) -> list[float]:
+    """Return the errors [%] of H, and of the work of pairs of branches over the largest of them."""
     pairs = cycles(one)[["cycle_full_J", "cycle_macro_J"]].dropna().to_numpy()
-    work = 100.0 * float(np.abs(pairs[:, 1] - pairs[:, 0]).max() / np.abs(pairs[:, 0]).max())
-    yield "loops", "H", _error(one, "H"), _LOOP_H
-    yield "loops", "work of pairs of branches", work, _LOOP_WORK
+    return [_error(one, "H"), 100.0 * float(np.abs(pairs[:, 1] - pairs[:, 0]).max() / np.abs(pairs[:, 0]).max())]
 
 
-def _ten_cycles(one: Followed) -> Iterator[tuple[str, str, float, float]]:
-    table = cycles(one)
-    pairs = {"peaks": ("F_end", ""), "secant": ("secant", ""), "work of cycles": ("cycle", "_J")}
-    for name, (start, end) in pairs.items():
+def _ten_cycles(one: Followed) -> list[float]:
+    table, found = cycles(one), list[float]()
+    for start, end in (("F_end", ""), ("secant", ""), ("cycle", "_J")):
         full, macro = (table[f"{start}_{who}{end}"].to_numpy() for who in ("full", "macro"))
         known = np.isfinite(full) & np.isfinite(macro)
-        error = 100.0 * float(np.abs(macro[known] / full[known] - 1.0).max())
-        yield "ten cycles", name, error, _CYCLE_WORK if name.startswith("work") else _PEAKS
-    yield "ten cycles", "heave", float(reaction_errors(one)["w_error_pct"]), _HEAVE
+        found.append(100.0 * float(np.abs(macro[known] / full[known] - 1.0).max()))
+    return [*found, float(reaction_errors(one)["w_error_pct"])]
 
 
-def _climb(one: Followed, model: MacroModel) -> Iterator[tuple[str, str, float, float]]:
-    path = one.path
-    motions = np.stack([path.u, path.rotation], axis=1)
-    loads = np.stack([path["H"] - path["H"][0], path["M"] - path["M"][0]], axis=1)
+def _at_the_motion(one: Followed, model: MacroModel) -> list[float]:
+    motions = np.stack([one.path.u, one.path.rotation], axis=1)
+    loads = np.stack([one.path[name] - one.path[name][0] for name in "HM"], axis=1)
     carried = model.solve("state", motions)[1]
-    at_motion = 100.0 * np.abs(carried - loads).max(axis=0) / np.abs(loads).max(axis=0)
-    yield from (("climb", f"{name} at the motion", float(at_motion[k]), _CLIMB_MOTION) for k, name in enumerate("HM"))
-    yield from (("climb", f"{name} at the load", _error(one, name), _CLIMB_LOAD) for name in ("u", "rotation"))
-
-
-def _reach_used(path: SpringPath, fan: MacroModel) -> float:
-    """Return the largest motion of a path over the reach of the rays beside it."""
-    return float(_used(path, fan).max())
+    found: list[float] = (100.0 * np.abs(carried - loads).max(axis=0) / np.abs(loads).max(axis=0)).tolist()
+    return found
 
 
 def _used(path: SpringPath, fan: MacroModel) -> Array:
@@ -142,8 +137,3 @@ def met(found: Iterable[Aim]) -> str:
     """Return how many aims are met of how many, as "3 of 4"."""
     counted = [one for one in found if np.isfinite(one.limit)]
     return f"{sum(one.met for one in counted)} of {len(counted)}"
-
-
-def over(found: Iterable[Aim]) -> float:
-    """Return the errors above their limits added up [%]; a path without an answer counts as 100 %."""
-    return float(sum(min(one.over, 100.0) for one in found if np.isfinite(one.limit)))

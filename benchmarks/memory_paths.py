@@ -8,7 +8,7 @@ from typing import Any
 
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.model import Scene
-from pysprings.scene.sections import PAPER_SOIL
+from pysprings.scene.sections import PAPER, PAPER_SOIL
 from pysprings.scene.template import template_text
 
 ROOT = Path(__file__).parents[1]
@@ -27,39 +27,26 @@ class Case:
     """
 
     name: str
-    title: str
     scene: Scene
     reach: float
     force: float
 
 
 def cases() -> dict[str, Case]:
-    """Return the caissons of the benchmark by name."""
+    """Return the paper's caisson in sand, L/D 1 in soil with cohesion, L/D 0.75 in soft clay; -iwan: kinematic."""
     cohesive = load_scene(ROOT / "data/scenes/fan-cohesive-long-caisson.toml")
     clay = parse_scene(template_text("soft-clay"))
-    caisson, domain = {"outer_diameter": 7.8, "skirt_length": 4.0}, {"radius": 24.0, "depth": 12.0}
-    paper = Scene(caisson=caisson, domain=domain, soil=PAPER_SOIL)
+    known = {name: value for name, value in clay.model_dump()["soil"].items() if value is not None}
+    stiff = {"yield_surface": "iwan-clay", "rigidity_ratio": 600.0, "strain_at_half_strength": 0.005}
+    kinematic = Scene.model_validate(clay.model_dump() | {"soil": known | stiff})
+    paper = Scene(domain=PAPER, soil=PAPER_SOIL)
     return {
-        "sand": Case("sand", "the paper's caisson, drained sand", paper, 20e-3, 1.0e6),
-        "cohesive": Case("cohesive", "L/D 1, soil with cohesion, drained", cohesive, 30e-3, 1.0e6),
-        "clay": Case("clay", "L/D 0.75, soft clay, undrained", clay, 100e-3, 1.0e6),
-        "sand-iwan": Case("sand-iwan", "the paper's caisson, sand with kinematic hardening", iwan_sand(), 20e-3, 1.0e6),
-        "clay-iwan": Case("clay-iwan", "L/D 0.75, clay with kinematic hardening", iwan_clay(), 100e-3, 1.0e6),
+        "sand": Case("sand", paper, 20e-3, 1.0e6),
+        "cohesive": Case("cohesive", cohesive, 30e-3, 1.0e6),
+        "clay": Case("clay", clay, 100e-3, 1.0e6),
+        "sand-iwan": Case("sand-iwan", paper.replace(soil={"yield_surface": "iwan-sand"}), 20e-3, 1.0e6),
+        "clay-iwan": Case("clay-iwan", kinematic, 100e-3, 1.0e6),
     }
-
-
-def iwan_sand(law: str = "iwan-sand") -> Scene:
-    """Return the paper's caisson in sand of this law."""
-    paper = {"outer_diameter": 7.8, "skirt_length": 4.0}
-    return Scene(caisson=paper, domain={"radius": 24.0, "depth": 12.0}, soil=PAPER_SOIL | {"yield_surface": law})
-
-
-def iwan_clay(law: str = "iwan-clay") -> Scene:
-    """Return the caisson of the template for soft clay, in clay of this law that is stiff at small strains."""
-    data = parse_scene(template_text("soft-clay")).model_dump()
-    soft = {"yield_surface": law, "rigidity_ratio": 600.0, "strain_at_half_strength": 0.005}
-    data["soil"] = {name: value for name, value in data["soil"].items() if value is not None} | soft
-    return Scene.model_validate(data)
 
 
 def scene_of(case: Case) -> Scene:

@@ -15,7 +15,6 @@ compiled with gfortran unless its library is there. A mass at the lid gives the 
 """
 
 import argparse
-import csv
 import re
 import shutil
 import subprocess
@@ -27,6 +26,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from pysprings import impose, model_of, open_springs, predict
@@ -43,13 +43,13 @@ Channels = dict[str, Array]
 CASE, COMMON = "5MW_OC3Mnpl_DLL_WTurb_WavesIrr", "5MW_Baseline"  # folders of r-test/glue-codes/openfast
 START, BENT = 20.0, 0.5  # s of the run that results leave out, m of the tower top when it is released
 BALANCE = 0.05  # most that mean reactions may be off, of the largest H and of the mean M of the clamped turbine
-SIGHTS = {
-    "towertop": "tower at 86 m [m]",
-    "H": "H at mudline [MN]",
-    "M": "M at mudline [MN m]",
-    "Mx": "side to side [MN m]",
-    "rotation": "lid [deg]",
-}
+QUANTITIES = {  # key -> words, unit, digits
+    "towertop": ("tower at 86 m [m]", 1.0, 3), "H": ("H at mudline [MN]", 1e-6, 2),
+    "M": ("M at mudline [MN m]", 1e-6, 1), "Hy": ("H side to side [MN]", 1e-6, 2),
+    "Mx": ("M side to side [MN m]", 1e-6, 1), "u": ("u of the lid [mm]", 1e3, 2),
+    "rotation": ("rotation of the lid [deg]", 180.0 / np.pi, 4),
+}  # fmt: skip
+SIGHTS = ("towertop", "H", "M", "Mx", "rotation")  # panels of the picture
 COLOURS = ("#000000", "#0072B2", "#56B4E9", "#D55E00", "#009E73")
 
 
@@ -66,15 +66,12 @@ def edit(file: Path, values: Mapping[str, object]) -> str:
     UserInputError
         Keywords that the file does not have exactly once, all of them at once.
     """
-    text, problems = file.read_text(encoding="utf-8", errors="surrogateescape"), []
+    text, counts = file.read_text(encoding="utf-8", errors="surrogateescape"), dict[str, int]()
     for key, value in values.items():
-        text, count = _line(key).subn(lambda _, value=value: str(value), text)
-        if count != 1:
-            problems.append(
-                Problem(str(file), key=key, message=f"stands there {count} times, not once: another version?")
-            )
-    if problems:
-        raise UserInputError(problems)
+        text, counts[key] = _line(key).subn(lambda _, value=value: str(value), text)
+    words = "stands there {} times, not once: another version?"
+    if wrong := [Problem(str(file), key=key, message=words.format(n)) for key, n in counts.items() if n != 1]:
+        raise UserInputError(wrong)
     return text
 
 
@@ -213,12 +210,7 @@ def run(program: str, folder: Path, name: str) -> dict[str, np.ndarray]:
         raise RunIncomplete(f"{log}: OpenFAST stopped with {done.returncode}: {' | '.join(last)}")
     if count := text.count("Failed to converge"):
         raise RunIncomplete(f"{log}: {count} steps did not converge")
-    return read(folder / f"{name}.out")
-
-
-def read(file: Path) -> dict[str, np.ndarray]:
-    """Return the channels of an output file of OpenFAST."""
-    lines = file.read_text().splitlines()
+    lines = (folder / f"{name}.out").read_text().splitlines()
     first = next(k for k, line in enumerate(lines) if line.split()[:1] == ["Time"])
     rows = np.array([[float(cell) for cell in line.split()] for line in lines[first + 2 :] if line.strip()])
     return dict(zip(lines[first].split(), rows.T, strict=True))
@@ -267,19 +259,11 @@ def shares(springs: MacroModel, found: Channels, nonlinear: bool) -> tuple[str, 
 
 def summary(springs: MacroModel, name: str, found: Channels, free: Channels, seconds: float) -> dict[str, str]:
     """Return quantity -> value of a model, of the run after START."""
-    late = found["time"] >= START
-    rows = {}
-    for key, words, unit, digits in (
-        ("towertop", "tower at 86 m [m]", 1.0, 3), ("H", "H at mudline [MN]", 1e-6, 2),
-        ("M", "M at mudline [MN m]", 1e-6, 1), ("Hy", "H side to side [MN]", 1e-6, 2),
-        ("Mx", "M side to side [MN m]", 1e-6, 1),
-        ("u", "u of the lid [mm]", 1e3, 2), ("rotation", "rotation of the lid [deg]", 180.0 / np.pi, 4),
-    ):  # fmt: skip
+    late, rows = found["time"] >= START, dict[str, str]()
+    for key, (words, unit, digits) in QUANTITIES.items():
         series = unit * found[key][late]
-        rows |= {
-            f"{words}, mean": f"{series.mean():.{digits}f}",
-            f"{words}, largest": f"{np.abs(series).max():.{digits}f}",
-        }
+        for kind, figure in (("mean", series.mean()), ("largest", np.abs(series).max())):
+            rows[f"{words}, {kind}"] = f"{figure:.{digits}f}"
     used, share = shares(springs, found, name in ("fan", "memory"))
     return rows | {
         "V at mudline [MN], mean": f"{-1e-6 * found['Fz'][late].mean():.2f}",
@@ -295,8 +279,8 @@ def draw(found: Mapping[str, Channels], file: Path) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 9.0), layout="constrained")
-    for panel, (key, words) in zip(figure.subplots(len(SIGHTS), sharex=True), SIGHTS.items(), strict=True):
-        unit = {"towertop": 1.0, "rotation": 180.0 / np.pi}.get(key, 1e-6)
+    for panel, key in zip(figure.subplots(len(SIGHTS), sharex=True), SIGHTS, strict=True):
+        words, unit, _ = QUANTITIES[key]
         for colour, (name, each) in zip(COLOURS, found.items(), strict=False):
             panel.plot(each["time"], unit * each[key], color=colour, linewidth=1.1, label=name.replace("_", " "))
         panel.set_ylabel(words)
@@ -326,10 +310,7 @@ def main() -> None:
         seconds = time.perf_counter() - start
         free = mudline(run(given.openfast, case, f"{name}_free"))
         answers[name] = summary(springs, name, found[name], free, seconds)
-        with (given.folder / "turbine.csv").open("w", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow(["quantity", *answers])
-            rows.writerows([key, *(each[key] for each in answers.values())] for key in answers[name])
+        pd.DataFrame(answers).to_csv(given.folder / "turbine.csv", index_label="quantity", lineterminator="\n")
         draw(found, given.folder / "turbine.png")
         print(name, *(f"  {key:45} {each}" for key, each in answers[name].items()), sep="\n", flush=True)
 
@@ -338,9 +319,7 @@ def main() -> None:
     H, M, Fz = (float(found["clamped"][key][late].mean()) for key in ("H", "M", "Fz"))
     mass = (springs.rest_load + Fz) / float(value(case / f"{CASE}.fst", "Gravity"))
     if mass < 0.0:
-        raise refused(
-            given.springs, f"springs at V = {1e-6 * springs.rest_load:.4g} MN, the turbine has {-1e-6 * Fz:.4g}"
-        )
+        raise refused(given.springs, f"their V is {1e-6 * springs.rest_load:.4g} MN, the turbine has {-1e-6 * Fz:.4g}")
     print(f"mass at the lid for the V of the springs: {mass:.0f} kg")
     radius = 0.5 * springs.attrs["outer_diameter_m"]
     place = dict(zip("xyz", base(case)[1:], strict=True))
@@ -351,9 +330,7 @@ def main() -> None:
         for key, size in (("H", largest), ("Hy", largest), ("M", abs(M)), ("Mx", abs(M))):
             error = abs(last[key][late].mean() - first[key][late].mean()) / size
             if error > BALANCE:
-                raise RunIncomplete(
-                    f"{name}: the mean {key} at mudline is {100 * error:.0f} % off: it balances no load"
-                )
+                raise RunIncomplete(f"{name}: the mean {key} at mudline is {100 * error:.0f} % off: no balance")
 
 
 if __name__ == "__main__":

@@ -85,8 +85,7 @@ def main() -> None:
     tables = read_tables(given.name, given.file)
     if not tables:
         raise SystemExit(f"{given.file}: no table and no list")
-    for path in store(given.name, tables, given.command, given.note):
-        print(path)
+    print(*store(given.name, tables, given.command, given.note), sep="\n")
 
 
 if __name__ == "__main__":

@@ -18,8 +18,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 PARTS = (("fe_engine", 1), ("pysprings", 2))  # folder, share of the sample
@@ -32,8 +32,7 @@ KILLED, SURVIVED = "killed", "survived"
 SECONDS = 900.0
 
 
-@dataclass(frozen=True)
-class Mutant:
+class Mutant(NamedTuple):
     """One change: the ``number``-th place of a file, in the order of its syntax tree, and what it became."""
 
     file: str
@@ -49,6 +48,8 @@ class _Places(ast.NodeTransformer):
         self.wanted, self.found, self.last = wanted, list[tuple[int, str]](), 0
 
     def visit(self, node: ast.AST) -> ast.AST:
+        if isinstance(node, ast.arguments | ast.Raise):
+            return node
         self.last = getattr(node, "lineno", self.last)
         made = self._changed(node)
         if made is not None:
@@ -61,12 +62,6 @@ class _Places(ast.NodeTransformer):
     def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
         if node.value is not None:
             node.value = self.visit(node.value)
-        return node
-
-    def visit_arguments(self, node: ast.arguments) -> ast.AST:
-        return node
-
-    def visit_Raise(self, node: ast.Raise) -> ast.AST:
         return node
 
     def _changed(self, node: ast.AST) -> ast.AST | None:
@@ -157,7 +152,7 @@ def main() -> None:
             shutil.copytree(ROOT, Path(folder) / "tree", ignore=shutil.ignore_patterns(".git", ".venv*", "out"))
         )
         for mutant in sample(given.sample, given.seed):
-            key = json.dumps(asdict(mutant))
+            key = json.dumps(mutant._asdict())
             if known.get(key) != KILLED:
                 known[key] = verdict(mutant, copy)
                 given.out.parent.mkdir(parents=True, exist_ok=True)

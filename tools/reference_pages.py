@@ -13,10 +13,14 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
+from pysprings.cli.app import application
 from pysprings.core.storage import write_text
 from pysprings.core.text import markdown_table
 from pysprings.core.variables import GROUPS
 from pysprings.core.version import __version__
+from pysprings.results.exporters import EXPORTERS
+from pysprings.results.plots import PICTURES
+from pysprings.results.report.page import REPORT_TABLES
 from pysprings.scene.template import scene_schema
 
 PAGES = Path(__file__).resolve().parents[1] / "docs" / "reference"
@@ -39,8 +43,6 @@ GROUP_TITLES = {
 
 def commands_page() -> str:
     """Return the page of the commands with all options, from the signatures of their functions."""
-    from pysprings.cli.app import application
-
     pages, every = [], Counter[tuple[str, str]]()
     for command in application().registered_commands:
         assert command.callback is not None
@@ -121,9 +123,6 @@ def variables_page() -> str:
 
 def outputs_page() -> str:
     """Return the page of the exporters, with their options, and of tables of the report."""
-    from pysprings.results.exporters import EXPORTERS
-    from pysprings.results.report.page import REPORT_TABLES
-
     rows = [
         [f"`{each.name}`", _words(each.description), f"`{each.file}`" if each.file else "several",
          ", ".join(f"`{suffix}`" for suffix in each.suffixes), each.needs]
@@ -168,8 +167,6 @@ others.
 
 def pictures_page() -> str:
     """Return the page of the pictures: a small picture where there is one, caption, call, and function."""
-    from pysprings.results.plots import PICTURES
-
     rows = []
     for each in PICTURES:
         function, fixed = getattr(each.function, "func", each.function), getattr(each.function, "keywords", {})

@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 UNRELEASED = "## [Unreleased]\n"
 STEPS = (  # what has to pass, and what is built
-    ("make", "evidence"),
+    ("make", "pages"),
     ("bash", ".ci/run"),
     ("make", "wheel-check"),
     ("make", "build"),

@@ -80,7 +80,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", choices=PAGES)
     given = parser.parse_args()
-    STORED.mkdir(parents=True, exist_ok=True)
     for name in [given.only] if given.only else PAGES:
         (STORED / f"{name}.txt").write_text(printed(name), encoding="utf-8")
         print(STORED / f"{name}.txt", flush=True)

@@ -94,17 +94,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Print what every Python made of the packages; return 1 where one that is there failed."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--python", nargs="+", default=list(VERSIONS), help="versions to try")
-    parser.add_argument("--out", type=Path, help="file for the table (Markdown)")
     given = parser.parse_args(argv)
     with tempfile.TemporaryDirectory() as place:
         wheel, sdist = build(Path(place))
         size = wheel.stat().st_size / 1e3
         print(f"{wheel.name}: {size:.0f} kB; {sdist.name}: {sdist.stat().st_size / 1e3:.0f} kB", flush=True)
         rows = [tried(version, wheel) for version in given.python] + [tried(given.python[0], sdist)]
-    table = markdown_table(["Python", "package", "outcome", "s"], rows)
-    print(table)
-    if given.out:
-        given.out.write_text(table, encoding="utf-8", newline="\n")
+    print(markdown_table(["Python", "package", "outcome", "s"], rows))
     return int(not all(row[2] in ("installed, ran, predicted", "this Python is not there") for row in rows))
 
 

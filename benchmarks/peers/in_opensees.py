@@ -62,13 +62,8 @@ def main() -> None:
     assert ops.analyze(steps) == 0
     ops.reactions()
     force = np.array([ops.nodeReaction(tag) for tag in tags])
-    depth = np.array([ops.nodeCoord(tag, 3) for tag in tags])
-    print(json.dumps({"H": 2.0 * force[:, 0].sum(), "M": 2.0 * (force[:, 2] @ xs(tags) - force[:, 0] @ depth)}))
-
-
-def xs(tags: list[int]) -> np.ndarray:
-    """Return x of nodes."""
-    return np.array([ops.nodeCoord(tag, 1) for tag in tags])
+    x, depth = (np.array([ops.nodeCoord(tag, axis) for tag in tags]) for axis in (1, 3))
+    print(json.dumps({"H": 2.0 * force[:, 0].sum(), "M": 2.0 * (force[:, 2] @ x - force[:, 0] @ depth)}))
 
 
 if __name__ == "__main__":

@@ -41,18 +41,9 @@ def environment() -> dict[str, str]:
 
 def versions() -> dict[str, str | None]:
     """Return the version of each other program; None where it is missing."""
-    out: dict[str, str | None] = {}
-    for name, package in (("OpenSees", "openseespy"), ("Kratos", "KratosMultiphysics")):
-        try:
-            out[name] = importlib.metadata.version(package)
-        except importlib.metadata.PackageNotFoundError:
-            out[name] = None
-    out["CalculiX"] = _ccx()
-    return out
-
-
-def _ccx() -> str | None:
+    there = importlib.util.find_spec("openseespy") is not None
+    out: dict[str, str | None] = {"OpenSees": importlib.metadata.version("openseespy") if there else None}
     if shutil.which("ccx") is None:
-        return None
+        return out | {"CalculiX": None}
     text = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout
-    return next((word for word in text.split() if word[:1].isdigit()), "unknown")
+    return out | {"CalculiX": next((word for word in text.split() if word[:1].isdigit()), "unknown")}

@@ -5,6 +5,7 @@ Tiny scenes replace those that would take minutes. The commands of a document ru
 """
 
 import importlib.util
+import json
 import re
 import shlex
 import shutil
@@ -328,6 +329,17 @@ def test_every_stored_table_is_shown_with_its_origin(site: Any) -> None:
             head = text.split("Data on this page:\n\n")[1].split("\n\n")[0]
             assert re.search(r"^- `[\w-]+`: `.+`, version \d+\.\d+\.\d+, \d{4}-\d\d-\d\d\.", head, re.M)
         assert "data/evidence/" not in site.STORED.sub("", text).replace("data/evidence/origins.json", "")
+
+
+def test_commands_of_origins_are_there_or_name_their_commit() -> None:
+    origins = json.loads((evidence_store.DATA / evidence_store.ORIGINS).read_text(encoding="utf-8"))
+    found = {name: re.findall(r"-m (benchmarks\.\w+)", each["command"]) for name, each in origins.items()}
+    gone = {
+        name for name, modules in found.items()
+        if not all((ROOT / module.replace(".", "/")).with_suffix(".py").exists() for module in modules)
+    }  # fmt: skip
+    assert len(gone) > 10 and any(modules for name, modules in found.items() if name not in gone)
+    assert {name for name in gone if not re.search(r" of commit [0-9a-f]{7}\b", origins[name]["note"])} == set()
 
 
 def test_a_stored_figure_stands_on_its_page(site: Any) -> None:

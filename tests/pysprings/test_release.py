@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The release command, on a small repository of its own."""
 
+import re
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
@@ -79,6 +80,11 @@ def test_everything_that_forbids_a_release_is_named(repository: Path, capsys: py
     ]
     assert release.main(["1.0"], repository) == 2
     assert "below" not in " ".join(release.faults(repository, "0.9.0"))  # the first release: no tag has it
+
+
+def test_steps_of_a_release_are_targets_of_the_makefile() -> None:
+    targets = {step[1] for step in release.STEPS if step[0] == "make"}
+    assert targets and targets <= set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
 
 
 def test_the_files_of_this_repository_have_a_place_for_the_version() -> None:

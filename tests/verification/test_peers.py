@@ -20,9 +20,7 @@ def loads(case: str, folder: Path, name: str = "") -> tuple[float, float]:
     if name and versions()[name] is None:
         pytest.skip(f"{name} is not installed")
     try:
-        text, *_ = timed(
-            [sys.executable, *(command if name else ["-m", "benchmarks.peers.in_pysprings", case])], folder
-        )
+        text, *_ = timed([sys.executable, *(command if name else ["-m", "benchmarks.peers.problem", case])], folder)
     except subprocess.CalledProcessError as error:
         if "ImportError" in error.stderr or "RuntimeError: Failed to import" in error.stderr:
             pytest.skip(f"{name} does not load")

@@ -5,10 +5,11 @@ import math
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 
 import pysprings
-from benchmarks import bench, error_estimates, kept_runs
+from benchmarks import bench, error_estimates
 from pysprings import Scene
 from pysprings.core.errors import PyspringsError
 from pysprings.full_model.run_record import Computed, RunRecord, Status
@@ -62,7 +63,7 @@ def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pyte
         found.attrs |= attrs
         return Computed(found, RunRecord(Status(attrs["status"]), failures=["stuck"]))
 
-    monkeypatch.setattr(kept_runs, "compute", compute)
+    monkeypatch.setattr(error_estimates, "compute", compute)
     for _ in range(2):
         error_estimates.result_of(tiny.paper(title="a"), tmp_path)
     assert asked == ["a"]
@@ -78,42 +79,40 @@ def test_results_are_kept_by_scene_and_version(tmp_path: Path, monkeypatch: pyte
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def line(true: float, estimate: float) -> dict[str, Any]:
-    return {
-        "scene": "a", "mesh": "coarse", "safety": 3.0, "estimate_pct": {"load_max": estimate},
-        "true_pct": {"load_max": true, "py_rms": math.nan},
-    }  # fmt: skip
+def lines(*each: tuple[float, float], scene: str = "a", quantity: str = "load_max") -> list[dict[str, Any]]:
+    """Lines of true errors and estimates, made with a safety factor of 3."""
+    return [
+        {"scene": scene, "mesh": "coarse"} | error_estimates.line_of(quantity, estimate, true, 0.1, 3.0)
+        for true, estimate in each
+    ]
 
 
 def test_coverage_counts_and_says_which_factor_nine_in_ten_need() -> None:
-    lines = [line(true=float(k), estimate=8.5) for k in range(1, 11)]  # 1 to 8 of 10 are covered
-    found = error_estimates.coverage([*lines, {"scene": "b", "mesh": "coarse", "why": "stopped"}])
-    assert found["estimates"] == 10
-    load = found["load_max"]
-    assert (load["covered"], load["of"]) == (8, 10)
-    assert load["safety_needed"] == pytest.approx(3.0 * 9.0 / 8.5)
-    assert load["largest_needed"] == pytest.approx(3.0 * 10.0 / 8.5)
-    assert load["median_excess"] == pytest.approx(0.5 * (8.5 / 5.0 + 8.5 / 6.0))
-    assert "py_rms" not in found  # no estimate of it
+    """Of true errors from 1 to 10 an estimate of 8.5 covers 8; another scene stopped, a truth is not known."""
+    found = [*lines(*((float(k), 8.5) for k in range(1, 11))), {"scene": "b", "mesh": "coarse", "why": "stopped"}]
+    found += [*lines((math.nan, 1.0)), *lines((1.0, 2.0), quantity="py_rms"), *lines((math.nan, 2.0), scene="later-1")]
+    load, py = error_estimates.coverage(pd.DataFrame(found)).to_dict("records")
+    assert load == {
+        "quantity": "load, coarse", "estimates": 10, "true error covered": 8,
+        "median of estimate over true error": pytest.approx(0.5 * (8.5 / 5.0 + 8.5 / 6.0)),
+        "median of true error [%]": 5.5, "largest true error [%]": 10.0,
+        "safety that nine of ten need": pytest.approx(3.0 * 9.0 / 8.5),
+        "safety that all need": pytest.approx(3.0 * 10.0 / 8.5),
+    }  # fmt: skip
+    assert py["quantity"] == "p-y, coarse" and py["estimates"] == 1
 
 
 def test_the_table_counts_scenes_drawn_afterwards_apart() -> None:
-    lines = [line(true=3.0, estimate=2.0), line(true=1.0, estimate=2.0) | {"scene": "later-1"}]
-    head, both, later = error_estimates.table(lines)
-    assert head[:3] == ["quantity", "estimates", "true error covered"]
-    assert both == ["load, coarse", "2", "1", "1.3", "2", "3"]
-    assert later == ["load, coarse, drawn afterwards", "1", "1", "2", "1", "1"]
+    both, later = error_estimates.coverage(
+        pd.DataFrame(lines((3.0, 2.0)) + lines((1.0, 2.0), scene="later-1"))
+    ).to_dict("records")
+    assert [*both.values()][:6] == ["load, coarse", 2, 1, pytest.approx(4.0 / 3.0), 2.0, 3.0]
+    assert [*later.values()][:6] == ["load, coarse, drawn afterwards", 1, 1, 2.0, 1.0, 1.0]
 
 
-def test_a_truth_that_is_not_known_does_not_count() -> None:
-    found = error_estimates.coverage([line(true=math.nan, estimate=1.0), line(true=1.0, estimate=1.0)])
-    assert (found["load_max"]["covered"], found["load_max"]["of"]) == (1, 1)
-
-
-def test_safety_that_is_needed() -> None:
-    assert error_estimates.needed_safety(2.0, 4.0, 3.0) == 6.0
-    assert error_estimates.needed_safety(0.0, 0.0, 3.0) == 0.0
-    assert error_estimates.needed_safety(0.0, 1.0, 3.0) == math.inf
+@pytest.mark.parametrize(("estimate", "true", "factor"), [(2.0, 4.0, 6.0), (0.0, 0.0, 0.0), (0.0, 1.0, math.inf)])
+def test_safety_that_is_needed(estimate: float, true: float, factor: float) -> None:
+    assert error_estimates.line_of("load_max", estimate, true, 0.0, 3.0)["needed"] == factor
 
 
 def test_held_out_scenes_are_scenes_and_are_pushed_as_far_as_asked() -> None:
