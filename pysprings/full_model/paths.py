@@ -361,6 +361,9 @@ def path_in_worker(
     scene: Scene, number: int, rest: tuple[np.ndarray, float], checkpoints: Checkpoints | None, progress: Progress
 ) -> Saved:
     """Run one path, in a process of its own; return what it has gathered, whole or up to an interrupt."""
+    saved = None if checkpoints is None else checkpoints.path(number)
+    if saved is not None and "stage" not in saved.meta:
+        return saved  # a worker died after it had saved the end
     with blas_on_one_thread():
         work = _work_of(scene.sha256, scene)
         path = scene.all_paths[number]
@@ -369,7 +372,6 @@ def path_in_worker(
         work.cpu_elsewhere, work.cpu_began = 0.0, time.process_time()
         run = PathRun(work, path)
         work.cpu_began = _counted[0]  # the model, and the modules before the first path
-        saved = None if checkpoints is None else checkpoints.path(number)
         if saved is not None:
             run.restore(saved)
         with suppress(KeyboardInterrupt):  # its last step is in the checkpoint, and in what follows

@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -18,7 +19,9 @@ import pysprings
 from pysprings.core.errors import ResourceError
 from pysprings.core.workers import Workers
 from pysprings.full_model.accuracy.own_estimate import PHASE, companions_of
+from pysprings.full_model.checkpoint import Checkpoints, read
 from pysprings.full_model.compute import compute
+from pysprings.full_model.paths import path_in_worker
 from pysprings.full_model.run_record import Computed
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.resources import jobs_for
@@ -76,6 +79,21 @@ def test_a_killed_worker_is_told_and_costs_nothing_else(tmp_path: Path) -> None:
         for path in ("pull", "second"):
             same = alone("series")[f"paths/{path}"].to_dataset(inherit=False)
             xr.testing.assert_equal(tree[f"paths/{path}"].to_dataset(inherit=False), same)
+
+
+def test_a_path_whose_worker_dies_once_its_end_is_saved_is_not_run_again(tmp_path: Path) -> None:
+    """Another worker gets it, and finds its end in the checkpoint."""
+    compute(SCENES["series"](), checkpoints=Checkpoints(tmp_path))
+    files = sorted((tmp_path / "checkpoint").glob("path-*.npz"))
+    shared, times = read(tmp_path / "checkpoint" / "start.npz").arrays, [file.stat().st_mtime_ns for file in files]
+    for number, file in enumerate(files):
+        rest, again = (shared["stiffness"], float(shared["torsion"])), list[str]()
+        progress = lambda name, *_, again=again: again.append(name)  # noqa: E731
+        saved = path_in_worker(SCENES["series"](), number, rest, Checkpoints(tmp_path), progress)
+        assert not again and saved.meta == read(file).meta
+        for name, values in read(file).arrays.items():
+            np.testing.assert_array_equal(saved.arrays[name], values)
+    assert len(files) == 2 and times == [file.stat().st_mtime_ns for file in files]
 
 
 def test_the_cost_of_the_estimate_has_that_of_its_workers(tmp_path: Path) -> None:
