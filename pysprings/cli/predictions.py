@@ -13,7 +13,7 @@ from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
 from pysprings.core.process import uninterrupted
 from pysprings.core.storage import replacing, write_text
-from pysprings.core.text import json_text
+from pysprings.core.text import json_text, number
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
@@ -21,25 +21,25 @@ ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of 
 MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded",
          "linear_twist", "torsion_apart", "unchecked")  # fmt: skip
 COLUMNS = (
-    Column("u [mm]", "u", ".5g", 1e3),
-    Column("w [mm]", "w", ".5g", 1e3),
-    Column("rotation [deg]", "rotation", ".5g", 180.0 / math.pi),
-    Column("H [kN]", "H", ".5g", 1e-3),
-    Column("V [kN]", "V", ".5g", 1e-3),
-    Column("M [kN m]", "M", ".5g", 1e-3),
-    Column("direction [deg]", "direction", ".5g", 180.0 / math.pi),
-    Column("T [kN m]", "T", ".5g", 1e-3),
-    Column("twist [mrad]", "rot_z", ".5g", 1e3),
+    Column("u [mm]", "u", 5, 1e3),
+    Column("w [mm]", "w", 5, 1e3),
+    Column("rotation [deg]", "rotation", 5, 180.0 / math.pi),
+    Column("H [kN]", "H", 5, 1e-3),
+    Column("V [kN]", "V", 5, 1e-3),
+    Column("M [kN m]", "M", 5, 1e-3),
+    Column("direction [deg]", "direction", 5, 180.0 / math.pi),
+    Column("T [kN m]", "T", 5, 1e-3),
+    Column("twist [mrad]", "rot_z", 5, 1e3),
     Column("marks", lambda row: ", ".join(name for name in MARKS if row.get(name)), words=True),
 )
 # of a sequence in six degrees of freedom, which has no u
 SPACE_COLUMNS = (
-    *(Column(f"u_{axis} [mm]", f"u_{axis}", ".4g", 1e3) for axis in "xy"),
-    Column("w [mm]", "w", ".4g", 1e3),
-    *(Column(f"rot_{axis} [mrad]", f"rot_{axis}", ".4g", 1e3) for axis in "xyz"),
-    *(Column(f"H_{axis} [kN]", f"H_{axis}", ".4g", 1e-3) for axis in "xy"),
-    *(Column(f"M_{axis} [kN m]", f"M_{axis}", ".4g", 1e-3) for axis in "xy"),
-    Column("T [kN m]", "T", ".4g", 1e-3),
+    *(Column(f"u_{axis} [mm]", f"u_{axis}", 4, 1e3) for axis in "xy"),
+    Column("w [mm]", "w", 4, 1e3),
+    *(Column(f"rot_{axis} [mrad]", f"rot_{axis}", 4, 1e3) for axis in "xyz"),
+    *(Column(f"H_{axis} [kN]", f"H_{axis}", 4, 1e-3) for axis in "xy"),
+    *(Column(f"M_{axis} [kN m]", f"M_{axis}", 4, 1e-3) for axis in "xy"),
+    Column("T [kN m]", "T", 4, 1e-3),
     COLUMNS[-1],
 )
 LOADS = ("H", "V", "M", "H_x", "H_y", "M_x", "M_y", "T")
@@ -119,8 +119,8 @@ def capacity(states: xr.Dataset) -> str:
     used = 100.0 * float(states["utilisation"].values[-1])
     known = "largest load known" if attrs["capacity_kind"] == RANGE_END else "capacity"
     return (
-        f"{known} in this direction: H = {force:.5g} kN with M = {moment:.5g} kN m, {used:.4g} % of it used "
-        f"({attrs['capacity_kind']}: {attrs['capacity_from']})"
+        f"{known} in this direction: H = {number(force, 5)} kN with M = {number(moment, 5)} kN m, {used:.4g} % of it "
+        f"used ({attrs['capacity_kind']}: {attrs['capacity_from']})"
     )
 
 
@@ -133,7 +133,7 @@ def vertical_capacity(states: xr.Dataset) -> str:
     used = 100.0 * float(states["utilisation_V"].values[-1])
     known = "largest vertical load known" if attrs["capacity_V_kind"] == RANGE_END else "vertical capacity"
     return (
-        f"{known}: V = {1e-3 * float(attrs['capacity_V_N']):.5g} kN, {used:.4g} % of it used "
+        f"{known}: V = {number(1e-3 * float(attrs['capacity_V_N']), 5)} kN, {used:.4g} % of it used "
         f"({attrs['capacity_V_kind']}: {attrs['capacity_V_from']})"
     )
 
@@ -180,7 +180,8 @@ def print_stiffness(matrices: Matrices) -> None:
         n = len(dofs)
         coupled = [(i, j) for i in range(n) for j in range(n) if i == j or "w" not in (dofs[i], dofs[j])]
         lines = [
-            [str(step), *(f"{matrix[i, j] * 1e-6:.5g}" for i, j in coupled)] for step, matrix in enumerate(given.values)
+            [str(step), *(number(float(matrix[i, j]) * 1e-6, 5) for i, j in coupled)]
+            for step, matrix in enumerate(given.values)
         ]
         print_table(Table("", ["step", *(f"{dofs[i]},{dofs[j]}" for i, j in coupled)], lines))
     if six is None:
@@ -195,6 +196,6 @@ def print_stiffness(matrices: Matrices) -> None:
 
 def _print_matrix(matrix: xr.DataArray) -> None:
     names = [str(name) for name in matrix["dof"].values]
-    entries = [Column(f"per {name}", name, ".5g", 1e-6) for name in names]
+    entries = [Column(f"per {name}", name, 5, 1e-6) for name in names]
     rows = [{"": name, **dict(zip(names, line, strict=True))} for name, line in zip(names, matrix.values, strict=True)]
     print_table(Table.of([Column("", "", words=True), *entries], rows))

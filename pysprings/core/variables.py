@@ -333,7 +333,7 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "there is no answer beyond it"),
     V("turned_back", "1 after the sequence has turned back", "1", ("step",),
       "the springs go back on the same curve, without hysteresis; the soil does not"),
-    V("off_load", "1 where V is more than 10 % from that of the lateral springs", "1", ("step",),
+    V("off_load", "1 where V is more than 10 % from that of the lateral springs, or near its largest", "1", ("step",),
       "reactions to u and rotation are those at the first V of a sequence, or at the nearest of the springs, where the "
       "springs do not follow V",
       required=False),

@@ -91,7 +91,9 @@ def vertical_answer(
         return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
-    far = ~covered(model.vertical, down, V)
+    rest = response.rest[1]
+    own = np.where(same_loads(V, rest), rest, V)  # on a path V is held to the tolerance of the solver
+    far = ~covered(model.vertical, down, own)
     follows = response.follows(down)
     moved = response.lacks(down, far) & (states != 0.0).any(axis=1)
     marks = {"V": down, "off_load": moved.astype(np.int8)}
@@ -108,17 +110,17 @@ def vertical_answer(
             beyond=beyond,
         )
     there = response.settle(model.vertical, down)
-    used, own = there[2], there[-1]
+    used, alone = there[2], there[-1]
     return Down(
         marks | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
         [
-            f"{note}{_left(model.vertical, down[far & moved], V[far & moved])}"
+            f"{note}{_left(model.vertical, down[far & moved], own[far & moved])}"
             for note in response.lacks_notes(down, moved)
         ],
-        beyond_springs(model, down, own),
-        no_equilibrium(model, down[np.isnan(own)]),
+        beyond_springs(model, down, alone),
+        no_equilibrium(model, down[np.isnan(alone)]),
     )
 
 

@@ -63,7 +63,7 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         "u [mm]  w [mm]  rotation [deg]  H [kN]  V [kN]  M [kN m]  marks\n"
         "------  ------  --------------  ------  ------  --------  ------------\n"
         "     0       0               0       0    1000         0\n"
-        "     1   -0.01      -0.0057296    2000    1000    -16000  extrapolated\n"
+        "     1   -0.01      -0.0057296    2000    1000   -16,000  extrapolated\n"
     )
 
 

@@ -513,3 +513,13 @@ def test_a_v_within_a_tenth_of_the_springs_and_near_its_own_capacity_is_marked_b
         warnings.simplefilter("ignore")
         done = command("predict", str(file), "--H", "100 kN", "--arm", "2 m", "--V", "2.15 MN")
     assert "off_load" in done.out
+
+
+def test_the_tolerance_of_v_along_a_path_is_no_other_vertical_load():
+    """At 10 % from the springs, whose V is held to some newtons: no step is marked (a warning fails here)."""
+    tree = vertical_springs()
+    path = tree["paths/slide"].to_dataset(inherit=False)
+    noise = xr.DataArray(40.0 * np.sin(np.arange(path.sizes["step"])), dims="step")
+    tree["paths/slide"].dataset = path.assign(V=path["V"] + noise, V_lid=path["V_lid"] + noise)
+    for V in (0.9 * REST, REST / 0.9):
+        assert not way_to_motion(tree, u=2e-3, rotation=0.0, V=V)["off_load"].values.any()
