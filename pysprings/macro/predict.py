@@ -23,8 +23,8 @@ paths that it comes from. Answers that the springs support in part are marked:
 - `turned_back`: from where a sequence turns back;
 - `off_load`: under a V more than 10 % from those of the lateral springs (`pysprings.springs.path_sets`; between
   sets at several loads they are interpolated), or so near the largest vertical load that the load at equal motion may
-  be less than 80 % (`pysprings.macro.vertical.share_left`). H and M are those at the nearest load, w follows the vertical
-  springs (`pysprings.macro.vertical`), or without them the elastic vertical stiffness.
+  be less than 80 % (`pysprings.macro.vertical.share_left`). H and M are those at the nearest load, w follows the
+  vertical springs (`pysprings.macro.vertical`), or without them the elastic vertical stiffness.
 
 With `strict` such an answer raises an error.
 
