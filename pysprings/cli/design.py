@@ -103,6 +103,7 @@ def design(
     record = RunRecord.read(result) if result.is_dir() else None
     about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": tilt or "as in the table"}
     about |= {"group": table.attrs["group"]} if placed else {}
+    about |= {"springs": "; ".join(notes)} if (notes := table.attrs.get("notes")) else {}
     about |= (record.summary if record else None) or {}
     for file in out or ():
         files.write(file, answers, about, springs)
@@ -139,7 +140,8 @@ def _print(table: pd.DataFrame, written: list[str]) -> None:
 
     print_table(text.table_of(table, brief=True))
     group = [table.attrs["group"]] if "group" in table.attrs else []
-    print("\n".join([f"\n{text.closing(table)}", *group, *written]))
+    notes = [f"note: {each}" for each in table.attrs.get("notes", ())]
+    print("\n".join([f"\n{text.closing(table)}", *group, *notes, *written]))
 
 
 def cases_of(result: Path) -> Path:

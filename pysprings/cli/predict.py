@@ -221,6 +221,8 @@ def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Datase
         from pysprings.results.tables.sequence import read_sequence
 
         read = read_sequence(question.sequence)
+        if read.V is not None and question.V is not None:
+            refuse("--V", "the file has a column of V: give one of them", question.sequence)
         common |= {"V": read.V if read.V is not None else question.V, "time": read.time}
         if read.in_space:
             return _in_space(springs, read, common)

@@ -30,6 +30,10 @@ from pysprings.springs.sums import balance
 Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
+APART = (
+    "curves of a table act apart from each other, as in a beam program: how far that is from a full model is not known "
+    "here (a table of `springs --for beam` states its error in its first lines)"
+)
 OF_ATLAS = "springs of the {} ({} full models), not of a full model of this caisson; deviations are standard ones"
 NO_ENDS = "springs of an earlier version: how their paths ended is not known, loads beyond a limit load are not refused"
 
@@ -98,7 +102,7 @@ class MacroModel:
         chosen = choose_set(springs, springs_kind, path)
         name, curves = springs.pick(path)
         attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
-        remarks = tuple(filter(None, (chosen.remark, curves.note, NO_VERTICAL)))
+        remarks = tuple(filter(None, (chosen.remark or APART, curves.note, NO_VERTICAL)))
         ends = {each: PathEnd(each, UNKNOWN) for each in springs.sets}
         rows = RowSprings(curves.table(chosen.companions), springs.origin(name))
         return cls(rows, chosen.name, None, attrs, remarks, ends=ends)

@@ -73,6 +73,8 @@ def answer_cases(
     tilt : Largest rotation that is tolerated [rad], of cases that have none of their own.
     extrapolate : Answer beyond the calibrated range, marked.
     choice : Spring set and path (`pysprings.macro.predict.SpringChoice`).
+
+    attrs["notes"] of the answers are sentences on the springs, for all cases.
     """
     loads = InPlane(cases.H, cases.M, cases.across, cases.direction)
     answers = answer_from_all_sides(springs, loads, cases.torsion, cases.V, extrapolate, **choice)
@@ -110,7 +112,10 @@ def answer_cases(
         of_bound = bound.loads / np.nan_to_num(left, nan=1.0)[:, None]
         found = _farthest(answer_loads(springs, of_bound, at, extrapolate, **choice), typed(springs), left)
     frame = _with_twist(_with_bounds(frame, cases, found, (space, twisted), left), cases, answers, space)
-    return frame.assign(verdict=verdicts(frame))
+    frame = frame.assign(verdict=verdicts(frame))
+    rows = str(answers.attrs.get("space_errors", ""))  # stand in their rows
+    frame.attrs["notes"] = [text for text in answers.attrs["remarks"] if text != rows]
+    return frame
 
 
 MOTIONS = {"u_m": "u", "w_m": "w", "rotation_rad": "rotation", "tilt_used": "tilt"}

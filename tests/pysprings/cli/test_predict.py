@@ -234,3 +234,10 @@ def test_the_load_of_a_tilt_is_found_at_every_height(tmp_path: Path, arm: float)
     assert state["M"] == pytest.approx(arm * state["H"])
     (again,) = states(tmp_path / "springs.nc", "--H", f"{state['H']} N", f"--arm={arm} m")
     assert again["rotation"] == pytest.approx(state["rotation"], rel=1e-6)
+
+
+def test_v_of_a_sequence_is_given_once(springs_file: Path, tmp_path: Path) -> None:
+    file = tmp_path / "sequence.csv"
+    file.write_text("H_N,M_Nm,V_N\n1e4,0,5e5\n")
+    done = command("predict", springs_file, "--sequence", file, "--V", "400 kN")
+    assert done.code == 2 and "--V: the file has a column of V" in done.err

@@ -223,3 +223,16 @@ def test_curves_at_mudline_and_tip_keep_force_and_moment() -> None:
         p = slid.p[:, k] - slid.p[:, 0]
         moment = -float(p @ (slid.depth * slid.heights)) - springs.length * float(slid["H_tip"][k] - slid["H_tip"][0])
         assert couple == pytest.approx(moment, rel=1e-2)
+
+
+def test_a_prediction_on_these_curves_is_no_plain_answer(tmp_path: File) -> None:
+    """The table has errors of many per cent in its first lines, which a reader of tables leaves out."""
+    file = tmp_path / "beam.csv"
+    file.write_text(text(depths=DEPTHS), encoding="utf-8")
+    done = command("predict", file, "--H", "100 kN", "--arm", "2 m")
+    assert done.code == 0 and "note: curves of a table act apart from each other" in done.err
+    cases, answers = tmp_path / "cases.csv", tmp_path / "answers.html"
+    cases.write_text("name,H [kN],arm [m]\na,100,2\n", encoding="utf-8")
+    done = command("design", file, cases, "--out", answers)
+    assert done.code == 0 and "note: curves of a table act apart from each other" in done.out
+    assert "curves of a table act apart from each other" in answers.read_text(encoding="utf-8")

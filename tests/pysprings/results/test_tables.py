@@ -12,6 +12,7 @@ from pysprings import open_table
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.macro.answer import trace
+from pysprings.macro.model import APART
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, predict, way_to_load, way_to_motion
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.tip_zone import reslice
@@ -179,7 +180,7 @@ def test_companions_by_family(tmp_path):
     table = open_table(write(tmp_path / "springs.csv", *companions()))
     model = MacroModel.from_springs(table)
     remark = "a table without a vertical path has no vertical springs: w and V are left out"
-    assert (model.spring_set, model.remarks) == ("full", (remark,))
+    assert (model.spring_set, model.remarks) == ("full", (APART, remark))
     np.testing.assert_allclose(model.tangent_stiffness(1e-3, -1e-4), full_stiffness())
     assert MacroModel.from_springs(table, "py").remarks[0].startswith("p-y springs alone")
 
