@@ -38,7 +38,11 @@ _NAMES = {
 }  # fmt: skip
 COLUMNS = (
     *(Column(name, TEXT, _NAMES[name]) for name in TEXTS),
-    *(Column.named(name, others) for name, others in _NAMES.items() if name not in TEXTS),
+    *(
+        replace(Column.named(name, others), example="m" if name == "arm_m" else "")
+        for name, others in _NAMES.items()
+        if name not in TEXTS
+    ),
     Column("remark", ANY, ("remarks", "comment", "comments", "note", "notes", "description"), skipped="words"),
 )
 _COMPONENTS = ("Fx_N", "Fy_N", "Fz_N", "Mx_Nm", "My_Nm")
@@ -303,6 +307,8 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     by = {name: values[f"factor_{name}"] for name in "HMV"}
     given = {name: np.nan_to_num(column) for name, column in values.items()}
     moments = [given[name] != 0.0 for name in ("M_Nm", "T_Nm", "Mx_Nm", "My_Nm")]
+    own = np.nan_to_num(by["H"], nan=1.0) != by["M"]
+    unused = np.isfinite(by["M"]) & own & ~np.any(moments, axis=0) & (given["arm_m"] != 0.0)
     taken = np.isnan(by["M"]) & np.isfinite(by["H"]) & (by["H"] != 1.0) & np.any(moments, axis=0)
     by["M"] = np.where(np.isnan(by["M"]), by["H"], by["M"])
     one = np.nan_to_num(values["factor"], nan=1.0)
@@ -325,6 +331,7 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     remarks = []
     for k, each in enumerate(taken):
         words = [f"factor H {values['factor_H'][k]:g} multiplies the moment, too (no factor M)"] if each else []
+        words += ["factor M is not used: the moment of H at its height has the factor of H"] if unused[k] else []
         words += [f"{name.replace('_', ' ')} is blank: 1" for name, blank in left.items() if blank[k]]
         remarks.append("; ".join(words))
     return loads, remarks

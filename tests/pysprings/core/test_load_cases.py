@@ -122,6 +122,12 @@ def test_the_factor_of_a_force_is_that_of_its_moment(tmp_path: Path) -> None:
     np.testing.assert_allclose(cases.M, [-2700e3, -2000e3])
     np.testing.assert_allclose(cases.torsion, [13.5e3, 10e3])
     assert cases.remarks == ("factor H 1.35 multiplies the moment, too (no factor M)", "factor H is blank: 1")
+    cases = table(
+        tmp_path, "name,H [kN],arm [m],factor H,factor M", "a,1000,2,1.35,1.0", "b,1000,2,1.35,1.35", "c,1,0,2,1"
+    )
+    np.testing.assert_allclose(cases.M, [2700e3, 2700e3, 0.0])
+    words = "factor M is not used: the moment of H at its height has the factor of H"
+    assert cases.remarks == (words, "", "")
 
 
 def test_six_components(tmp_path: Path) -> None:
