@@ -30,6 +30,7 @@ from pysprings.springs.sums import balance
 Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
+AT_RATE = "water flows in the ground: the springs are those of {:.3g} mm/s (of rho); what takes longer drains more"
 APART = (
     "curves of a table act apart from each other, as in a beam program: how far that is from a full model is not known "
     "here (a table of `springs --for beam` states its error in its first lines)"
@@ -208,6 +209,8 @@ def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapp
     if springs.stiffness is None:
         yield NO_VERTICAL
     yield from response.remarks
+    if rate := _rate_of(springs, response):
+        yield AT_RATE.format(1e3 * rate)
     if (loads := springs.blended_loads) and not close_loads(np.array(loads), response.origin.load).any():
         span = " and ".join(number(1e-6 * V) for V in loads)
         yield f"V is between the springs at {span} MN, more than 10 % from both: interpolated"
@@ -217,6 +220,15 @@ def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapp
             yield mesh
     if springs.of_full_model and any(ends[name].how == UNKNOWN for name in response.sources):
         yield NO_ENDS
+
+
+def _rate_of(springs: Springs, response: Response) -> float | None:
+    """Return the rate [m/s, of rho] of springs of a coupled run: that asked for, or the mean of their paths."""
+    if not springs.rate_sets:
+        return None
+    rates = [rate for name in response.sources if (rate := springs.paths[name].rate)]
+    mean = float(np.exp(np.mean(np.log(rates)))) if rates else None
+    return float(springs.attrs["rate_m_per_s"]) if "rate_m_per_s" in springs.attrs else mean
 
 
 def elastic_loads(springs: Springs) -> tuple[float, float]:

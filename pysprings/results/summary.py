@@ -201,6 +201,8 @@ def _tilt_on_path(run: Run, tolerated: float) -> str:
 
 
 def _range(run: Run) -> str:
+    from pysprings.springs.springs import Springs
+
     calibrated = [each for _, each in _lateral(run) if each.attrs.get("role") == "calibration"]
     if not calibrated:
         return "no lateral path was calibrated"
@@ -208,7 +210,10 @@ def _range(run: Run) -> str:
     turn = math.degrees(max(float(np.abs(each["rotation"]).max()) for each in calibrated))
     fan = _is_fan(run)
     kind = "load heights of its rays" if fan else f"the load height of path {_lateral(run)[0][0]} only"
-    return f"u up to {u:.3g} mm, rotation up to {turn:.3g} deg, {kind}; monotonic loading; in proportion"
+    text = f"u up to {u:.3g} mm, rotation up to {turn:.3g} deg, {kind}; monotonic loading; in proportion"
+    sets = () if run.springs is None else Springs.of(run.springs).rate_sets
+    rates = ", ".join(f"{1e3 * each.rate:.3g}" for each in sets)
+    return f"{text}; at {rates} mm/s (of rho)" if rates else text
 
 
 def _mesh(run: Run) -> str:

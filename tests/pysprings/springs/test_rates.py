@@ -125,6 +125,19 @@ def test_a_fan_of_several_rates_is_refused_until_a_rate_is_given() -> None:
     np.testing.assert_allclose(loads[1], 1.1 * loads[0], rtol=1e-3)
 
 
+def test_every_answer_names_the_rate_of_its_springs() -> None:
+    """Asked for, between two sets, of one set, of one path; drained springs have none."""
+    springs = Springs.of(at_two_rates())
+    words = "those of {} mm/s (of rho)"
+    for rate, known in ((1e-4, "0.1"), (1e-5, "0.01")):
+        model = MacroModel.from_springs(springs.at_rate(rate))
+        assert sum(words.format(known) in text for text in model.remarks) == 1, model.remarks
+    assert words.format("1") in "; ".join(MacroModel.from_springs(springs, "full", "slide1").remarks)
+    one = MacroModel.from_springs(at_two_rates(speeds=(2e-3,)))
+    assert any(words.format("2") in text for text in one.remarks)
+    assert not any("of rho" in text for text in MacroModel.from_springs(synthetic.make_springs(RAYS)).remarks)
+
+
 def test_compare_answers_every_path_at_its_own_rate() -> None:
     frame = compare(at_two_rates())
     fan = frame[frame["springs"] == "fan"].set_index("path")
