@@ -2,12 +2,18 @@
 """The SoilDyn library called as OpenFAST calls it: arrays of the caller, everything by reference."""
 
 import ctypes
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 INITIALISE, FORCE, STIFFNESS = 1, 2, 3
 LETTERS = 45
+needs_compiler = pytest.mark.skipif(
+    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
+)
 
 
 class Point:
@@ -47,3 +53,6 @@ class Point:
         """Return the stiffness (6, 6) at a motion."""
         assert self.ask(STIFFNESS, motion) == 0
         return self.D.T.copy()  # column-major
+
+
+PointOn = Callable[..., Point]  # the fixture of tests/pysprings/results/conftest.py

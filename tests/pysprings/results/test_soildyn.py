@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The SoilDyn library beside `predict`: called as OpenFAST calls it, on arrays of the caller."""
 
-import shutil
 import warnings
 from pathlib import Path
 
@@ -14,20 +13,13 @@ from pysprings.macro.answer import trace
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, impose
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.soildyn.library import build, build_command, compiler, library_name, spring_text
+from pysprings.results.exporters.soildyn.library import build_command, compiler, library_name, spring_text
 from tests.support import fans, synthetic, vertical
 from tests.support.commands import command
-from tests.support.foundation import FORCE, Point
+from tests.support.foundation import FORCE, Point, PointOn, needs_compiler
 
-pytestmark = pytest.mark.skipif(
-    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
-)
+pytestmark = needs_compiler
 TORSION = synthetic.TORSION
-
-
-@pytest.fixture(scope="session")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(tmp_path_factory.mktemp("library"))
 
 
 @pytest.fixture(scope="session")
@@ -44,20 +36,6 @@ def springs(source: Source) -> xr.DataTree:
 def point(library: Path, source: Source, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Point:
     export(source, "openfast", tmp_path)
     monkeypatch.chdir(tmp_path)
-    return Point(library, "./caisson.txt")
-
-
-def made(
-    library: Path,
-    springs: xr.DataTree,
-    monkeypatch: pytest.MonkeyPatch,
-    folder: Path,
-    total: bool = True,
-    stop: bool = False,
-) -> Point:
-    """Point on the spring file of springs, without a header."""
-    (folder / "caisson.txt").write_text(spring_text([], MacroModel.from_springs(springs), TORSION, total, stop))
-    monkeypatch.chdir(folder)  # names of files have 45 letters at most
     return Point(library, "./caisson.txt")
 
 
@@ -137,14 +115,14 @@ def test_stiffness_is_the_slope_of_the_forces(point: Point) -> None:
 
 
 def test_out_of_one_plane_the_law_is_linear_for_linear_springs_and_turns_with_the_motion(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, point: Point
+    point_on: PointOn, point: Point
 ) -> None:
     random = np.random.default_rng(7)
     motions = random.uniform(-1, 1, (20, 6)) * [2e-3, 2e-3, 0.0, 4e-4, 4e-4, 1e-4]
     turn = np.kron(np.eye(2), np.array([[np.cos(0.7), -np.sin(0.7), 0], [np.sin(0.7), np.cos(0.7), 0], [0, 0, 1]]))
     for d in motions:
         np.testing.assert_allclose(point.forces(turn @ d), turn @ point.forces(d), rtol=1e-9, atol=1.0)
-    other = made(library, fans.fan_springs(fans.linear), monkeypatch, tmp_path, total=False)
+    other = point_on(MacroModel.from_springs(fans.fan_springs(fans.linear)), total=False, name="linear")
     K, rest = other.stiffness(np.zeros(6)), other.forces(np.zeros(6))
     assert rest[2] == 0.0
     lateral = [0, 1, 3, 4, 5]
@@ -189,41 +167,33 @@ def test_marks_are_in_the_state_and_beyond_the_range_warns_once(
 
 
 def test_beyond_what_the_full_model_carried_it_stops(
-    library: Path,
-    source: Source,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    point_on: PointOn, source: Source, capfd: pytest.CaptureFixture[str]
 ) -> None:
     springs = source.springs
-    stopping = made(library, springs, monkeypatch, tmp_path, stop=True)
+    stopping = point_on(MacroModel.from_springs(springs), stop=True)
     far = motion(1.01 * fans.RHO[-1], 0.0, 0.0, 0.0)
     assert stopping.ask(FORCE, far) == 104
     assert "beyond the calibrated range" in capfd.readouterr().out
     failed = springs.copy(deep=True)
     failed["paths/ray_0"].attrs |= {"end": "limit load", "end_H_N": 1e6, "end_M_Nm": 0.0}
-    ended = made(library, failed, monkeypatch, tmp_path)
+    ended = point_on(MacroModel.from_springs(failed))
     assert ended.ask(FORCE, 0.99 * far) == 0
     assert ended.ask(FORCE, far) == 104
     assert ended.ask(FORCE, motion(0.0, 1.01 * fans.RHO[-1] / fans.LENGTH, 0.0, 0.0)) == 0  # another ray
     assert "met a limit load" in capfd.readouterr().out
-    elastic = made(library, fans.fan_springs(fans.potential), monkeypatch, tmp_path)
+    elastic = point_on(MacroModel.from_springs(fans.fan_springs(fans.potential)))
     assert elastic.ask(FORCE, motion(0.0, 0.0, -5e-3, 0.0)) == 104
     assert "vertical load is not known" in capfd.readouterr().out
 
 
 @pytest.mark.slow
-def test_the_thresholds_are_those_of_predict(
-    library: Path, source: Source, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_thresholds_are_those_of_predict(point_on: PointOn, source: Source) -> None:
     """Just within and just beyond the range, on rays, near them and between, one of them with a limit load."""
     springs = source.springs.copy(deep=True)
     springs["paths/ray_0"].attrs |= {"end": "limit load", "end_H_N": 1e12, "end_M_Nm": 0.0}
     springs["paths/ray_6"].dataset = springs["paths/ray_6"].to_dataset(inherit=False).isel(step=slice(20))
     model = MacroModel.from_springs(springs)
-    (tmp_path / "stopping").mkdir()
-    stopping = made(library, springs, monkeypatch, tmp_path / "stopping", stop=True)
-    going = made(library, springs, monkeypatch, tmp_path)
+    stopping, going = point_on(model, stop=True, name="stopping"), point_on(model)
     rays = np.radians(fans.ANGLES)
     angles = np.concatenate([rays, rays + 0.9e-3, rays - 1.1e-3, np.random.default_rng(5).uniform(-1.5, 1.5, 20)])
     seen = []

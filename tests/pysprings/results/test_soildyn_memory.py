@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory in the SoilDyn library beside `predict`: along sequences that turn back, in any direction."""
 
-import shutil
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,27 +16,17 @@ from pysprings.memory.elements import FRICTIONAL, GAP, PLATES, REVERSIBLE
 from pysprings.memory.model import error_between_planes
 from pysprings.memory.shares import at_rest
 from pysprings.results.exporters import export
-from pysprings.results.exporters.soildyn.library import build, spring_text
+from pysprings.results.exporters.soildyn.library import spring_text
 from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
-from tests.support.foundation import FORCE, Point
+from tests.support.foundation import FORCE, Point, PointOn, needs_compiler
 from tests.support.vertical import REST
 
-pytestmark = pytest.mark.skipif(
-    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
-)
+pytestmark = needs_compiler
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(tmp_path_factory.mktemp("library"))
-
-
-def point_of(library: Path, springs: xr.DataTree, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Point:
-    """Point on the springs with memory, in the present folder, without a header."""
-    (folder / "caisson.txt").write_text(spring_text([], MacroModel.from_springs(springs, "memory"), 1e9, True, False))
-    monkeypatch.chdir(folder)
-    return Point(library, "./caisson.txt")
+def model_of(springs: xr.DataTree) -> MacroModel:
+    return MacroModel.from_springs(springs, "memory")
 
 
 def sequence(seed: int = 3, n: int = 60) -> np.ndarray:
@@ -62,17 +51,15 @@ def in_plane(force: np.ndarray, direction: float) -> tuple[float, float, float, 
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.5 * np.pi, np.pi, 0.7, 2.3])
-def test_forces_follow_a_sequence_as_predict_does(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, direction: float
-) -> None:
+def test_forces_follow_a_sequence_as_predict_does(point_on: PointOn, direction: float) -> None:
     """Gap and frictional elements are exact in the planes of x and y, plastic ones in every plane."""
     rows = winkler.mixed()
     both = np.isclose(np.sin(2.0 * direction), 0.0)
     rows = rows if both else rows[~np.isin(rows[:, 0], PLATES)]
     springs = winkler.with_invented_memory(rows)
-    point = point_of(library, springs, tmp_path, monkeypatch)
+    point = point_on(model_of(springs))
     states = sequence()
-    answer = trace(MacroModel.from_springs(springs, "memory"), "state", states)
+    answer = trace(model_of(springs), "state", states)
     assert answer.sizes["step"] == len(states)
     expected = np.stack([answer["H"].values, answer["M"].values], axis=1)
     assert np.abs(expected).max() > 1e5
@@ -82,13 +69,11 @@ def test_forces_follow_a_sequence_as_predict_does(
         np.testing.assert_allclose(across, 0.0, atol=1e-8 * np.abs(expected).max())
 
 
-def test_the_settlement_of_the_elements_carries_no_load(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_settlement_of_the_elements_carries_no_load(point_on: PointOn) -> None:
     """At the w that `predict` gives, V is the load at rest and that of the elements."""
     springs = winkler.with_invented_memory(settling=True)
-    point = point_of(library, springs, tmp_path, monkeypatch)
-    model = MacroModel.from_springs(springs, "memory")
+    point = point_on(model_of(springs))
+    model = model_of(springs)
     states = sequence(5)
     answer = trace(model, "state", states)
     w, V = answer["w"].values, answer["V"].values
@@ -102,16 +87,11 @@ def test_the_settlement_of_the_elements_carries_no_load(
         assert -point.forces(motion(state, 0.0, down))[2] == pytest.approx(load, abs=near)
 
 
-def test_elements_at_another_vertical_load_are_those_of_predict(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_elements_at_another_vertical_load_are_those_of_predict(point_on: PointOn) -> None:
     """H and M, and V at the w that `predict` gives, of springs at the second of two loads."""
-    springs = loaded.springs()
-    text = spring_text([], MacroModel.from_springs(springs, "memory", V=loaded.HEAVY), 1e9, True, False)
-    (tmp_path / "caisson.txt").write_text(text)
-    monkeypatch.chdir(tmp_path)
-    point, states = Point(library, "./caisson.txt"), sequence(5)
-    answer = trace(MacroModel.from_springs(springs, "memory", V=loaded.HEAVY), "state", states)
+    model = MacroModel.from_springs(loaded.springs(), "memory", V=loaded.HEAVY)
+    point, states = point_on(model), sequence(5)
+    answer = trace(model, "state", states)
     H, M, w = (answer[name].values for name in ("H", "M", "w"))
     assert np.ptp(w) > 1e-5 and w[0] > 1e-4
     for k, state in enumerate(states):
@@ -126,11 +106,9 @@ def test_elements_of_two_vertical_loads_together_are_refused() -> None:
         spring_text([], model, 1e9, True, False)
 
 
-def test_a_repeated_step_leaves_no_trace_and_points_are_independent(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_repeated_step_leaves_no_trace_and_points_are_independent(point_on: PointOn, library: Path) -> None:
     springs = winkler.with_invented_memory()
-    first = point_of(library, springs, tmp_path, monkeypatch)
+    first = point_on(model_of(springs))
     points = [first, *(Point(library, "./caisson.txt") for _ in range(3))]
     ways = [sequence(seed) for seed in (1, 2, 3, 4)]
     alone = []
@@ -145,11 +123,9 @@ def test_a_repeated_step_leaves_no_trace_and_points_are_independent(
             np.testing.assert_array_equal(point.forces(motion(way[k], 0.0)), expected[k])
 
 
-def test_stiffness_is_that_of_the_forces_and_the_one_at_rest_is_symmetric(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_stiffness_is_that_of_the_forces_and_the_one_at_rest_is_symmetric(point_on: PointOn) -> None:
     springs = winkler.with_invented_memory()
-    point = point_of(library, springs, tmp_path, monkeypatch)
+    point = point_on(model_of(springs))
     K = point.stiffness(np.zeros(6))
     np.testing.assert_allclose(K, K.T)
     assert np.linalg.eigvalsh(K[:2, :2]).min() > 0.0
@@ -169,13 +145,11 @@ def test_stiffness_is_that_of_the_forces_and_the_one_at_rest_is_symmetric(
         np.testing.assert_allclose(D[:, j], slope, rtol=0.05, atol=1e-3 * np.abs(D).max())
 
 
-def test_turned_motions_of_plastic_elements_give_turned_forces(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_turned_motions_of_plastic_elements_give_turned_forces(point_on: PointOn, library: Path) -> None:
     """Out of one plane: a way around, and the same way turned by an angle; no work is won on it."""
     rows = winkler.mixed()
     springs = winkler.with_invented_memory(rows[~np.isin(rows[:, 0], PLATES)])
-    point = point_of(library, springs, tmp_path, monkeypatch)
+    point = point_on(model_of(springs))
     other, angle = Point(library, "./caisson.txt"), 0.8
     R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     turns = np.linspace(0.0, 6.0 * np.pi, 120)
@@ -190,10 +164,10 @@ def test_turned_motions_of_plastic_elements_give_turned_forces(
     assert work > 0.0
 
 
-def test_a_way_beyond_that_of_the_calibration_is_a_warning(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+def test_a_way_beyond_that_of_the_calibration_warns(
+    point_on: PointOn, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    point = point_of(library, winkler.with_invented_memory(), tmp_path, monkeypatch)
+    point = point_on(model_of(winkler.with_invented_memory()))
     for k in range(20):
         assert point.ask(FORCE, motion(np.array([0.4 * winkler.REACH * (-1) ** k, 0.0]), 0.0)) == 0
     assert capfd.readouterr().out.count("settlement is extrapolated") == 1
@@ -202,7 +176,7 @@ def test_a_way_beyond_that_of_the_calibration_is_a_warning(
 def test_more_elements_than_a_state_has_are_refused() -> None:
     many = winkler.with_invented_memory(np.tile(winkler.mixed(), (6, 1)))
     with pytest.raises(UserInputError, match="SoilDyn keeps 1200 of a state"):
-        spring_text([], MacroModel.from_springs(many, "memory"), 1e9, True, False)
+        spring_text([], model_of(many), 1e9, True, False)
 
 
 def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
@@ -226,8 +200,8 @@ def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, 
 def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:
     """An element takes seventeen: 1,200 reversible ones, which keep no state, fill the 20,000 of a point."""
     few, many = (np.array([winkler.element(REVERSIBLE)] * n) for n in (1000, 1200))
-    model = MacroModel.from_springs(winkler.with_invented_memory(few), "memory")
+    model = model_of(winkler.with_invented_memory(few))
     lines = spring_text([], model, 1e9, True, False).splitlines()
     assert len(lines[-2].split()) == 17
     with pytest.raises(UserInputError, match="numbers: SoilDyn keeps 20000 for a point"):
-        spring_text([], MacroModel.from_springs(winkler.with_invented_memory(many), "memory"), 1e9, True, False)
+        spring_text([], model_of(winkler.with_invented_memory(many)), 1e9, True, False)

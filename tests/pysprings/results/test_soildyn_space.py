@@ -16,24 +16,17 @@ from pysprings.memory.model import MemorySprings
 from pysprings.memory.offered import Offered, evened, numbers_in_space
 from pysprings.memory.space_model import SpaceSprings
 from pysprings.results.exporters import export
-from pysprings.results.exporters.soildyn.library import build, spring_text
+from pysprings.results.exporters.soildyn.library import spring_text
 from tests.support import loaded, openfast, space_paths
 from tests.support.fans import RHO
-from tests.support.foundation import Point
+from tests.support.foundation import Point, PointOn, needs_compiler
 from tests.support.space_springs import calibrated, elements
 
-pytestmark = pytest.mark.skipif(
-    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
-)
+pytestmark = needs_compiler
 LATERAL = [0, 1, 3, 4, 5]  # of six: SPACE_TURNS, and SPACE_LOADS
 RADIUS, TWIST = 4.0, 5e-3
 S_WAY = 4  # of springs.h
 DIRECTIONS = 8  # of the mean out of one plane, MEAN of springs.c
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(tmp_path_factory.mktemp("library"))
 
 
 def with_space(elements: SpaceElements) -> tuple[MacroModel, SpaceSprings]:
@@ -55,14 +48,6 @@ def set_of(rows: np.ndarray, twist: float, even: np.ndarray | None = None, way: 
     """Elements that share out no p; w and V are those of the fan, or follow `even` by element that was offered."""
     none, given = np.zeros((0, 2)), np.zeros((2, 2 * len(Offered.of_space(rows).rows)))
     return SpaceElements(rows, RADIUS, twist, none, none, given if even is None else even, 4.0, way, 0.0, 0.0, {})
-
-
-def point_of(
-    library: Path, model: MacroModel, folder: Path, monkeypatch: pytest.MonkeyPatch, torsion: float = 0.0
-) -> Point:
-    (folder / "caisson.txt").write_text(spring_text([], model, torsion, True, False))
-    monkeypatch.chdir(folder)  # names of files have 45 letters at most
-    return Point(library, "./caisson.txt")
 
 
 def walk(seed: int, n: int) -> np.ndarray:
@@ -93,12 +78,10 @@ def carried(model: MacroModel, d: np.ndarray, w: float, V: float) -> float:
     return float(brentq(lambda load: model.vertical.displacement(load)[0] - change, -3e6, 1e8, xtol=1e-4))
 
 
-def test_a_random_walk_in_six_motions_is_that_of_python(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_random_walk_in_six_motions_is_that_of_python(point_on: PointOn) -> None:
     """All kinds of elements, round, spread and of torsion; between the steps some are tried and rejected."""
     model, space = invented()
-    point, motions = point_of(library, model, tmp_path, monkeypatch), walk(3, 150)
+    point, motions = point_on(model, 0.0), walk(3, 150)
     found = []
     for k, d in enumerate(motions):
         kept = point.state.copy()
@@ -115,15 +98,13 @@ def test_a_random_walk_in_six_motions_is_that_of_python(
     np.testing.assert_allclose(found / sizes, expected / sizes, rtol=1e-6, atol=1e-6)
 
 
-def test_settlement_adds_up_by_cycles_as_in_python(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_settlement_adds_up_by_cycles_as_in_python(point_on: PointOn) -> None:
     """w and V follow ways and stored energies of round and spread elements, turned or not; a twist leaves w."""
     rows, random = elements(1, 8), np.random.default_rng(11)
     choice = Offered.of_space(rows)
     even = random.uniform(0.0, 0.02, (2, 2 * len(choice.rows))) * [[1.0], [1e7]]
     model, space = with_space(set_of(rows, TWIST, even, 1e3))
-    point, rest = point_of(library, model, tmp_path, monkeypatch), model.response.rest
+    point, rest = point_on(model, 0.0), model.response.rest
     for angle in (0.0, 1.1):
         u = 0.4 * RHO[-1] * np.sin(np.linspace(0.0, 6.0 * np.pi, 700))
         c, s = np.cos(angle), np.sin(angle)
@@ -145,12 +126,10 @@ def test_settlement_adds_up_by_cycles_as_in_python(
     np.testing.assert_array_equal(space.heave(again[:, LATERAL]), space.heave(motions[:, LATERAL]))
 
 
-def test_the_stiffness_at_rest_is_axisymmetric_and_that_of_the_elements(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_stiffness_at_rest_is_axisymmetric_and_that_of_the_elements(point_on: PointOn) -> None:
     """As SoilDyn asks for it; elsewhere it is the slope of the forces."""
     model, space = with_space(SpaceSprings.of(calibrated()).elements)
-    point = point_of(library, model, tmp_path, monkeypatch)
+    point = point_on(model, 0.0)
     K = point.stiffness(np.zeros(6))
     np.testing.assert_allclose(K, K.T)
     assert (K[0, 0], K[0, 4], K[3, 3]) == (K[1, 1], -K[1, 3], K[4, 4])
@@ -169,12 +148,10 @@ def test_the_stiffness_at_rest_is_axisymmetric_and_that_of_the_elements(
         np.testing.assert_allclose(D[:, j], (ends[0] - ends[1]) / (2.0 * step), rtol=0.05, atol=1e-3 * np.abs(D).max())
 
 
-def test_after_a_twist_alone_the_stiffness_at_the_origin_is_not_that_at_rest(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_after_a_twist_alone_the_stiffness_at_the_origin_is_not_that_at_rest(point_on: PointOn) -> None:
     """There and back by twists that yield, to where torsion is loaded still."""
     model, _ = invented()
-    point, twist = point_of(library, model, tmp_path, monkeypatch), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    point, twist = point_on(model, 0.0), np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     rest = point.stiffness(0.0 * twist)[5, 5]
     point.state[:] = 0.0
     for size in (2.0 * TWIST, 0.0):
@@ -190,12 +167,10 @@ def test_after_a_twist_alone_the_stiffness_at_the_origin_is_not_that_at_rest(
 
 
 @pytest.mark.parametrize("degrees", [7.5, 22.5, 37.0, 45.0, 90.0, 163.0])
-def test_a_path_that_is_turned_has_a_turned_answer(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, degrees: float
-) -> None:
+def test_a_path_that_is_turned_has_a_turned_answer(point_on: PointOn, degrees: float) -> None:
     """Within 2 % of the largest load of each path: an elbow, a circle, and a random walk in all motions."""
     model, _ = with_space(SpaceSprings.of(calibrated()).elements)
-    point, angle = point_of(library, model, tmp_path, monkeypatch), np.radians(degrees)
+    point, angle = point_on(model, 0.0), np.radians(degrees)
     plane = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
     turn, rest = np.kron(np.eye(2), plane), point.state.copy()
     ways = [np.insert(way, 2, 0.0, axis=1) for way in (
@@ -220,18 +195,16 @@ def test_the_export_has_the_set_in_space_with_its_errors_and_marks(tmp_path: Pat
     assert "torsion_Nm 0\n" in text and "45 degrees" not in text and "torsion is linear" not in text
 
 
-def test_without_a_twist_torsion_is_linear(library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_twist_torsion_is_linear(point_on: PointOn) -> None:
     model, _ = with_space(set_of(elements()[:-3], 0.0))
     assert not any("share no friction" in line for line in model.response.plane_notes())
-    point = point_of(library, model, tmp_path, monkeypatch, 3e9)
+    point = point_on(model, 3e9)
     for twist in (1e-4, 1e-2):
         assert point.forces(np.array([1e-4, 1e-4, 0, 0, 0, twist]))[5] == pytest.approx(3e9 * twist)
 
 
-def test_a_twist_beyond_its_path_is_marked(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    point, largest = point_of(library, invented()[0], tmp_path, monkeypatch), TWIST / RADIUS
+def test_a_twist_beyond_its_path_is_marked(point_on: PointOn, library: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    point, largest = point_on(invented()[0], 0.0), TWIST / RADIUS
     for share, warned in ((0.5, 0), (0.999, 0), (1.5, 1)):
         point.forces(np.array([1e-4, 0, 0, 0, 0, share * largest]))
         assert point.state.ravel()[0] == pytest.approx(share, rel=1e-9)
@@ -243,9 +216,7 @@ def test_a_twist_beyond_its_path_is_marked(
         assert Point(library, "./caisson.txt").code == 102 and words in capfd.readouterr().out
 
 
-def test_soildyn_follows_a_way_around_with_torsion(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_soildyn_follows_a_way_around_with_torsion(library: Path, tmp_path: Path) -> None:
     """The program keeps the state from step to step; angles are small, as it makes rotations of them."""
     model, space = invented()
     export(calibrated(), "openfast", tmp_path, z=-30.0, springs="memory")
@@ -261,12 +232,10 @@ def test_soildyn_follows_a_way_around_with_torsion(
     np.testing.assert_allclose(1e3 * done.channels[:, LATERAL] / size, expected / size, rtol=1e-6, atol=1e-6)
 
 
-def test_ten_thousand_calls_a_second_with_a_full_state(
-    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ten_thousand_calls_a_second_with_a_full_state(point_on: PointOn) -> None:
     model, space = invented(27)
     assert 0.9 * MOST_NUMBERS < numbers_in_space(space.elements.rows) <= MOST_NUMBERS
-    point, n = point_of(library, model, tmp_path, monkeypatch), 2000
+    point, n = point_on(model, 0.0), 2000
     way = np.linspace(walk(3, 1)[0], 0.2 * walk(4, 1)[0], n)
     start = time.process_time()
     for d in way:
