@@ -43,12 +43,6 @@ def ask(kind: str, folder: Path, file: Path, asked: list[str]) -> None:
     run(kind, folder, command, file, *options)
 
 
-def ask_of_tree(folder: Path, data: dict[str, xr.Dataset], asked: list[str]) -> None:
-    file = new_file(folder)
-    if save(data, file):
-        ask(TREES, folder, file, asked)
-
-
 def ask_of_bytes(folder: Path, todo: list[Op], in_place: str, asked: list[str]) -> None:
     file = copy_of(base_file(folder), new_file(folder))
     if in_place:
@@ -62,17 +56,12 @@ in_place = st.integers(0, 7).flatmap(lambda n: st.just("") if n else st.sampled_
 
 
 @pytest.mark.long
-@budget(QUICK)
-@given(data=spoiled_trees(), asked=questions)
-def test_spoiled_trees(tmp_path: Path, data: dict[str, xr.Dataset], asked: list[str]) -> None:
-    ask_of_tree(tmp_path, data, asked)
-
-
-@pytest.mark.long
 @budget(1100)
 @given(data=spoiled_trees(), asked=questions)
 def test_many_spoiled_trees(tmp_path: Path, data: dict[str, xr.Dataset], asked: list[str]) -> None:
-    ask_of_tree(tmp_path, data, asked)
+    file = new_file(tmp_path)
+    if save(data, file):
+        ask(TREES, tmp_path, file, asked)
 
 
 @budget(QUICK)

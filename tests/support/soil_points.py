@@ -3,10 +3,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from hypothesis import strategies as st
 
+from fe_engine.conventions import OK
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import elastic_matrix
 from fe_engine.soil.law import Point
@@ -53,6 +55,22 @@ def update_by(law: Callable, p, strain, stress=START, kappa=0.0) -> Answer:
     new, history, tangent = np.full(6, np.nan), np.full(1, np.nan), np.full((6, 6), np.nan)
     status, regime = law(p, strain, Point(stress, np.array([kappa])), Point(new, history), tangent, True)
     return Answer(new, history[0], tangent, status, regime)
+
+
+class Stepped(NamedTuple):
+    """What an update from a state wrote and returned."""
+
+    new: Point
+    tangent: np.ndarray
+    regime: int
+
+
+def stepped(law: Callable, p, strain, old: Point) -> Stepped:
+    """Return one update by a law from a state, which has to succeed with finite numbers."""
+    new, tangent = Point(np.full(6, np.nan), np.full(len(old.history), np.nan)), np.full((6, 6), np.nan)
+    status, regime = law(p, strain, old, new, tangent, True)
+    assert status == OK and np.isfinite(new.stress).all() and np.isfinite(tangent).all()
+    return Stepped(new, tangent, regime)
 
 
 def slope_of(update: Callable, p, strain, stress=START, kappa=0.0):

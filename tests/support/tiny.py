@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pytest
 import xarray as xr
 
 from pysprings import Scene
+from pysprings.core.errors import Problem, UserInputError
 from pysprings.full_model.compute import run
 from pysprings.scene.changes import read_changes
 from pysprings.scene.load import SceneText
@@ -65,6 +67,18 @@ def parsed(text: str, file: str | None = None, changes: Sequence[str] = ()) -> S
         given |= {"young_modulus"} if {*STIFFNESSES} & {*soil} else set()
         soil |= {name: value for name, value in _pairs(Soil.model_validate(with_soil(own))) if name not in given}
     return read.scene(read_changes(changes))
+
+
+def problems(read: Callable[..., Any], *given: Any) -> list[Problem]:
+    """Return the problems with which a call refuses what the user gives."""
+    with pytest.raises(UserInputError) as refused:
+        read(*given)
+    return [*refused.value.problems]
+
+
+def messages(text: str) -> list[str]:
+    """Return the problems of the text of a scene, see `parsed`, in words."""
+    return [str(problem) for problem in problems(parsed, text)]
 
 
 def grounded(text: str) -> str:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Undrained clay at one point: strengths of element tests, mobilisation, corners of Tresca's surface, and a sweep."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
@@ -11,13 +9,12 @@ from scipy.optimize import minimize
 from fe_engine.conventions import OK, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import mobilised, plasol, tresca, von_mises
 from fe_engine.soil.elastic import elastic_matrix, moduli
-from fe_engine.soil.law import Point
 from tests.support.models import rotation_matrix, taylor_slope, to_matrix, to_voigt
+from tests.support.soil_points import SIZES, START, Answer, update_by
 
 YOUNG, POISSON, SU = 1.2e7, 0.49, 2.0e4
 SHEAR = moduli(YOUNG, POISSON)[1]
 STIFFNESS = elastic_matrix(YOUNG, POISSON)
-START = -1.0e5 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 ONE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 YIELD = SU / SHEAR  # shear strain at which a perfectly plastic soil yields
 # strains whose size is a shear strain of 1
@@ -27,25 +24,12 @@ SIMPLE = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
 TESTS = {"compression": COMPRESSION, "extension": -COMPRESSION, "plane strain": PLANE, "simple shear": SIMPLE}
 GENERAL = np.array([0.5, -0.2, -0.35, 0.25, -0.15, 0.4])
 OTHER = np.array([0.15, 0.25, -0.3, -0.45, 0.2, 0.35])
-SIZES = np.geomspace(3.0e-2, 1.0e-3, 5)
 LAWS = [pytest.param(law, id=law.__name__.rpartition(".")[2]) for law in (tresca, von_mises)]
 CURVES = {"perfectly plastic": 0.0, "hyperbola": YIELD, "soft": 10.0 * YIELD}
 
 
-class Answer(NamedTuple):
-    """What one update wrote and returned."""
-
-    stress: np.ndarray
-    kappa: float
-    tangent: np.ndarray
-    status: int
-    regime: int
-
-
 def update(law, p, strain, stress=START, kappa=0.0) -> Answer:
-    new, tangent = Point(np.full(6, np.nan), np.full(1, np.nan)), np.full((6, 6), np.nan)
-    status, regime = law.update(p, strain, Point(stress, np.array([kappa])), new, tangent, True)
-    return Answer(new.stress, new.history[0], tangent, status, regime)
+    return update_by(law.update, p, strain, stress, kappa)
 
 
 def make(strain=0.0, mobilised_share=0.0, strength=SU):

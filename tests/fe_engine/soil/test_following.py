@@ -4,11 +4,11 @@
 import numpy as np
 import pytest
 
-from fe_engine.conventions import OK, REGIME_APEX, REGIME_CONE, REGIME_STIFFNESS
+from fe_engine.conventions import REGIME_APEX, REGIME_CONE, REGIME_STIFFNESS
 from fe_engine.soil import following, plasol, van_eekelen
 from fe_engine.soil.law import Point
 from tests.support.models import DEGREE, taylor_slope
-from tests.support.soil_points import OPENING, OTHER, POISSON, PRESSURE, PUSH, SIZES, START, YOUNG
+from tests.support.soil_points import OPENING, OTHER, POISSON, PRESSURE, PUSH, SIZES, START, YOUNG, stepped
 
 BULK, SHEAR = YOUNG / (3.0 * (1.0 - 2.0 * POISSON)), YOUNG / (2.0 * (1.0 + POISSON))
 STRAIN = 2.0e-4
@@ -27,11 +27,7 @@ def start(stress=START):
 
 
 def step(p, strain, old):
-    """One update: new state, tangent and regime."""
-    new, tangent = Point(np.full(6, np.nan), np.full(len(old.history), np.nan)), np.empty((6, 6))
-    status, regime = following.update(p, strain, old, new, tangent, True)
-    assert status == OK
-    return new, tangent, regime
+    return stepped(following.update, p, strain, old)
 
 
 def follow(p, strains, old=None):
@@ -136,8 +132,7 @@ def test_tangent_is_the_derivative_in_every_regime(surface, case, exponent, stra
 def test_without_exponent_and_degradation_it_is_the_surface(surface):
     law = SURFACES[surface]
     p = make(0.0, None, 1e3, surface=surface)
-    new, tangent = Point(np.empty(6), np.empty(1)), np.empty((6, 6))
-    law.update(p[: len(law.parameters)], PUSH, Point(START, np.zeros(1)), new, tangent, True)
+    new, tangent, _ = stepped(law.update, p[: len(law.parameters)], PUSH, Point(START, np.zeros(1)))
     ours, slope, _ = step(p, PUSH, start())
     assert np.array_equal(ours.stress, new.stress)
     assert ours.history[0] == new.history[0]

@@ -5,21 +5,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from fe_engine.conventions import OK, REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
+from fe_engine.conventions import REGIME_APEX, REGIME_CONE, REGIME_ELASTIC
 from fe_engine.soil import iwan_clay, iwan_sand, overlay, von_mises
 from fe_engine.soil.elastic import elastic_matrix, moduli
 from fe_engine.soil.law import Point
 from pysprings.scene.soils.clay import MOST_POINTS
 from tests.support.models import taylor_slope
+from tests.support.soil_points import SIZES, START, stepped
 
 YOUNG, POISSON, SU = 1.2e7, 0.49, 2.0e4
 SHEAR = moduli(YOUNG, POISSON)[1]
 YIELD = SU / SHEAR  # strain at which the hyperbola has half of its strength
-START = -1.0e5 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 SIMPLE = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
 GENERAL = np.array([0.5, -0.2, -0.35, 0.25, -0.15, 0.4])
 OTHER = np.array([0.15, 0.25, -0.3, -0.45, 0.2, 0.35])
-SIZES = np.geomspace(3.0e-2, 1.0e-3, 5)
 CLAY = iwan_clay.pack(YOUNG, POISSON, SU, YIELD)
 SAND_PRESSURE = 1.0e5
 SAND = {"young": 1e8, "poisson": 0.3, "phi_i": 0.1, "phi_f": 0.6, "b_phi": 0.002, "cohesion": 0.0}
@@ -34,10 +33,7 @@ class Soil:
         self.p, self.stress, self.history = p, np.array(stress), np.zeros(len(overlay.HISTORY))
 
     def trial(self, strain):
-        new, tangent = Point(np.full(6, np.nan), np.full(len(self.history), np.nan)), np.full((6, 6), np.nan)
-        status, regime = overlay.update(self.p, strain, Point(self.stress, self.history), new, tangent, True)
-        assert status == OK
-        return new, tangent, regime
+        return stepped(overlay.update, self.p, strain, Point(self.stress, self.history))
 
     def go(self, strain, steps=1):
         """Return the shear stress after each of equal steps."""
@@ -103,8 +99,7 @@ def test_without_hardening_it_is_von_mises():
     p, other = iwan_clay.pack(YOUNG, POISSON, SU), von_mises.LAW.pack(YOUNG, POISSON, SU)
     for size in (0.3, 0.9, 5.0):
         new, tangent, _ = Soil(p).trial(size * YIELD * GENERAL)
-        theirs, slopes = Point(np.empty(6), np.empty(1)), np.empty((6, 6))
-        von_mises.update(other, size * YIELD * GENERAL, Point(START, np.zeros(1)), theirs, slopes, True)
+        theirs, slopes, _ = stepped(von_mises.update, other, size * YIELD * GENERAL, Point(START, np.zeros(1)))
         np.testing.assert_allclose(new.stress, theirs.stress, rtol=1e-12, atol=1e-6)
         np.testing.assert_allclose(tangent, slopes, rtol=1e-10, atol=1e-6 * SHEAR)
         assert new.history[overlay.KAPPA] == pytest.approx(theirs.history[0], rel=1e-9, abs=1e-15)

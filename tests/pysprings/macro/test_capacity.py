@@ -16,13 +16,8 @@ from pysprings.macro.predict import MacroModel, curve, predict
 from pysprings.results.tables import open_table
 from tests.support.closed_forms import bilinear_springs
 from tests.support.commands import command
-from tests.support.fans import A, fan_springs, linear, potential
+from tests.support.fans import A, fan_springs, linear
 from tests.support.vertical import REST, down_curve, vertical_springs
-
-
-@pytest.fixture(scope="module")
-def bent() -> MacroModel:
-    return MacroModel.from_springs(fan_springs(potential))
 
 
 @pytest.mark.parametrize("arm", [0.0, 3.0, 30.0, -4.0])

@@ -34,11 +34,6 @@ from tests.support.synthetic import make_springs
 from tests.support.vertical import vertical_springs
 
 
-@pytest.fixture(scope="module")
-def bent():
-    return MacroModel.from_springs(fan_springs(potential))
-
-
 def test_motions_and_loads_are_one_curve(bent):
     """The load of an imposed rotation brings that rotation back, and so do its displacement and both together."""
     turned = impose(bent, rotation=5e-4, arm=3.0)

@@ -22,11 +22,6 @@ from tests.support.fans import ANGLES, DEPTH, HEIGHT, LENGTH, RHO, fan_springs, 
 from tests.support.synthetic import make_springs
 
 
-@pytest.fixture(scope="module")
-def bent() -> MacroModel:
-    return MacroModel.from_springs(fan_springs(potential), "fan")
-
-
 @pytest.mark.parametrize("angles", [ANGLES, (0.0, 90.0), (-60.0, 20.0, 70.0), (180.0, -155.0, 100.0)])
 def test_exact_for_a_linear_response(angles):
     """At every state of the plane, however wide the sectors, rays with u < 0 included; tangent too."""

@@ -8,15 +8,9 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.predict import MacroModel, predict
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from tests.support.closed_forms import linear_springs
-from tests.support.fans import fan_springs, potential
 from tests.support.vertical import REST, vertical_springs
 
 LOAD = {"H": 6e5, "arm": 2.0}
-
-
-@pytest.fixture(scope="module")
-def bent() -> MacroModel:
-    return MacroModel.from_springs(fan_springs(potential))
 
 
 def test_the_secant_times_the_motion_is_the_load(bent: MacroModel) -> None:

@@ -164,9 +164,7 @@ def test_turned_motions_of_plastic_elements_give_turned_forces(point_on: PointOn
     assert work > 0.0
 
 
-def test_a_way_beyond_that_of_the_calibration_warns(
-    point_on: PointOn, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_way_beyond_that_of_the_calibration_warns(point_on: PointOn, capfd: pytest.CaptureFixture[str]) -> None:
     point = point_on(model_of(winkler.with_invented_memory()))
     for k in range(20):
         assert point.ask(FORCE, motion(np.array([0.4 * winkler.REACH * (-1) ** k, 0.0]), 0.0)) == 0

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from fe_engine.soil import anisotropic, iwan_clay
-from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import soil_materials
 from pysprings.scene.defaults import implausible
@@ -50,12 +49,6 @@ strain_at_half_strength = 0.01
 radius = "24 m"
 depth = "12 m"
 """
-
-
-def messages(text: str) -> list[str]:
-    with pytest.raises(UserInputError) as refused:
-        tiny.parsed(text)
-    return [str(problem) for problem in refused.value.problems]
 
 
 def test_strength_and_stiffness_follow_the_depth():
@@ -136,7 +129,7 @@ def test_clay_that_cannot_be_is_refused_with_its_place(old, new, message):
     if message is None:
         assert tiny.parsed(text)
         text, message = text.replace("0.65", '"api"'), r'adhesion_factor: "api" needs a vertical effective stress'
-    found = messages(text)
+    found = tiny.messages(text)
     assert any(re.search(message, each) for each in found), found
 
 
@@ -156,7 +149,7 @@ def test_clay_that_cannot_be_is_refused_with_its_place(old, new, message):
 )  # fmt: skip
 def test_sand_over_clay_that_cannot_be_is_refused(old, new, message):
     assert old in SAND_OVER_CLAY
-    found = messages(SAND_OVER_CLAY.replace(old, new, 1))
+    found = tiny.messages(SAND_OVER_CLAY.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
 
 
@@ -171,7 +164,7 @@ def test_water_may_stand_beside_clay_and_in_some_layers_of_sand():
     mixed = tiny.parsed(text + '[drainage]\nmode = "undrained"\n')
     assert list(mixed.ground.holds_water(depth, "undrained")) == [False, True, False]
     assert mixed.layer_drainage == "drained, total-stress, undrained"
-    (message,) = messages(text.replace('drainage = "drained"', 'drainage = "total-stress"'))
+    (message,) = tiny.messages(text.replace('drainage = "drained"', 'drainage = "total-stress"'))
     assert 'soil.layer[0].drainage: must be "drained"' in message
 
 
@@ -204,7 +197,7 @@ def test_factors_of_su_choose_the_law_and_are_printed_by_depth():
     ],
 )  # fmt: skip
 def test_factors_of_su_that_cannot_be_are_refused(old, new, message):
-    found = messages(ANISOTROPIC.replace(old, new, 1))
+    found = tiny.messages(ANISOTROPIC.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
 
 
@@ -244,7 +237,7 @@ def test_a_table_of_the_secant_modulus_is_the_backbone_of_a_layer():
     ],
 )  # fmt: skip
 def test_tables_of_the_secant_modulus_that_cannot_be_are_refused(old, new, message):
-    found = messages(REDUCED.replace(old, new, 1))
+    found = tiny.messages(REDUCED.replace(old, new, 1))
     assert any(re.search("shear_modulus_reduction: .*" + message, each) for each in found), found
 
 
@@ -256,11 +249,11 @@ def test_small_strain_stiffness_follows_from_plasticity_and_overconsolidation():
     bottom = profile(scene)[1]
     stress = bottom["vertical_effective_stress_Pa"]
     assert bottom["shear_modulus_Pa"] == pytest.approx(100e3 * (stress / 100e3) ** 0.9 * 280.0 * 2.0)
-    (message,) = messages(CLAY.replace("rigidity_ratio", "overconsolidation_ratio = 2\nrigidity_ratio"))
+    (message,) = tiny.messages(CLAY.replace("rigidity_ratio", "overconsolidation_ratio = 2\nrigidity_ratio"))
     assert "soil.overconsolidation_ratio: needs a plasticity_index" in message
-    (message,) = messages(CLAY.replace("rigidity_ratio", "plasticity_index = 20\nrigidity_ratio"))
+    (message,) = tiny.messages(CLAY.replace("rigidity_ratio", "plasticity_index = 20\nrigidity_ratio"))
     assert "give one of rigidity_ratio, plasticity_index" in message
-    (message,) = messages(SAND_OVER_CLAY.replace('name = "sand"', "plasticity_index = 20"))[:1]
+    (message,) = tiny.messages(SAND_OVER_CLAY.replace('name = "sand"', "plasticity_index = 20"))[:1]
     assert "soil.layer[0].plasticity_index" in message
 
 
@@ -269,7 +262,7 @@ def test_all_problems_of_clay_come_at_once():
         'young_modulus = "60 MPa"', "rigidity_ratio = 100"
     )
     text = text.replace('name = "clay"', 'cohesion = "5 kPa"').replace('adhesion_factor = "api"', "")
-    keys = [re.search(r": (\S+): ", each)[1] for each in messages(text)]
+    keys = [re.search(r": (\S+): ", each)[1] for each in tiny.messages(text)]
     assert keys == [
         "interface.adhesion_factor", "soil.layer[0].rigidity_ratio", "soil.layer[1].cohesion", "soil.layer[1].drainage",
     ]  # fmt: skip
@@ -278,9 +271,9 @@ def test_all_problems_of_clay_come_at_once():
 def test_adhesion_in_sand_refers_to_its_cohesion():
     text = '[interface]\nadhesion_factor = 0.8\n[soil]\ncohesion = "5 kPa"\n'
     assert tiny.parsed(text)
-    (message,) = messages(text.replace('cohesion = "5 kPa"', ""))
+    (message,) = tiny.messages(text.replace('cohesion = "5 kPa"', ""))
     assert "refers to undrained_shear_strength or cohesion" in message
-    assert any("has neither" in each for each in messages(text.replace("0.8", '"api"')))
+    assert any("has neither" in each for each in tiny.messages(text.replace("0.8", '"api"')))
 
 
 def test_the_api_factor_has_its_published_values():

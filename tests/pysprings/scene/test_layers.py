@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from pysprings.core.errors import UserInputError
 from pysprings.model.fourier import build
 from pysprings.scene.defaults import implausible, remarks
 from pysprings.scene.sections import PAPER
@@ -42,12 +41,6 @@ depth = "12 m"
 def weight(depth: float) -> float:
     """Unit weight of the layers, N/m3."""
     return 8e3 + 1e3 * depth if depth < 2 else 11e3 if depth < 6 else 10.56e3
-
-
-def messages(text: str) -> list[str]:
-    with pytest.raises(UserInputError) as refused:
-        tiny.parsed(text)
-    return [str(problem) for problem in refused.value.problems]
 
 
 def test_values_follow_their_layers():
@@ -113,20 +106,20 @@ def test_scenes_without_layers_keep_their_number():
 )
 def test_wrong_layers_are_refused_with_their_place(old, new, message):
     assert old in LAYERS
-    found = messages(LAYERS.replace(old, new, 1))
+    found = tiny.messages(LAYERS.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
 
 
 def test_all_problems_of_layers_come_at_once():
     text = LAYERS.replace("11 kN/m^3", "11").replace('"5 MPa/m"', "5").replace('name = "loose"', 'nme = "loose"')
-    assert len(messages(text)) == 3
+    assert len(tiny.messages(text)) == 3
 
 
 def test_an_order_that_is_wrong_hides_no_value_that_turns_negative_and_no_foreign_key():
     text = LAYERS.replace('top = "6 m"', 'top = "1 m"\nundrained_shear_strength = "20 kPa"')
     text = text.replace('{ reference = "90 MPa", reference_depth = "5 m", depth_offset = "1 m", exponent = 1.0 }',
                         '{ top = "20 MPa", gradient = "-4 MPa/m" }')  # fmt: skip
-    found = messages(text)
+    found = tiny.messages(text)
     words = ("must be below the top of the layer before", "is not used by law", "at a depth of")
     assert len(found) == 3
     assert all(any(each in message for message in found) for each in words), found
@@ -183,7 +176,7 @@ def test_pure_numbers_are_linear_in_a_layer_too():
 )  # fmt: skip
 def test_pure_numbers_by_depth_that_cannot_be_are_refused(old, new, message):
     assert old in ENDS
-    found = messages(ENDS.replace(old, new, 1))
+    found = tiny.messages(ENDS.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
 
 
@@ -242,12 +235,12 @@ def test_K0_of_the_friction_angle_needs_no_other_value(law):
     ],
 )
 def test_K0_of_no_friction_angle_is_refused(text, message):
-    assert any(each.startswith(f"2:6: soil.K0: layer 'upper': {message}") for each in messages(text))
+    assert any(each.startswith(f"2:6: soil.K0: layer 'upper': {message}") for each in tiny.messages(text))
 
 
 def test_a_refused_initial_state_names_an_angle_that_holds_it():
     text = '[soil]\nK0 = 0.5\nfriction_angle_initial = "5 deg"\n'
-    (message,) = messages(text)
+    (message,) = tiny.messages(text)
     angle = re.search(r'friction_angle_initial = "(\S+ deg)" or "auto" holds it', message)
     assert angle
     assert tiny.parsed(text.replace("5 deg", angle[1]))
@@ -257,7 +250,7 @@ def test_a_K0_that_the_final_friction_does_not_hold_is_refused_with_the_angle_th
     """The cone fits triaxial compression: sin(phi) = (1 - K0)/(1 + K0)."""
     text = '[soil]\nK0 = 0.2\nfriction_angle_initial = "auto"\nfriction_angle_final = "39 deg"\n'
     needed = np.degrees(np.arcsin((1.0 - 0.2) / (1.0 + 0.2)))
-    (found,) = messages(text)
+    (found,) = tiny.messages(text)
     assert f"soil.K0: 0.2 needs a friction angle of {needed:.2f} deg, more than friction_angle_final (39 deg)" in found
 
 

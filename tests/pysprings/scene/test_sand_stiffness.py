@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from fe_engine.soil import following, plasol
-from pysprings.core.errors import UserInputError
 from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import engine_laws, soil_materials
 from tests.support import tiny
@@ -28,12 +27,6 @@ degradation_strain = 2e-4
 top = "3 m"
 young_modulus = "200 MPa"
 """
-
-
-def messages(text: str) -> list[str]:
-    with pytest.raises(UserInputError) as refused:
-        tiny.parsed(text)
-    return [str(problem) for problem in refused.value.problems]
 
 
 def test_a_layer_that_follows_has_the_law_and_its_initial_stress() -> None:
@@ -83,5 +76,5 @@ def test_the_scene_reads_itself_again_and_frozen_ones_keep_their_number() -> Non
 )  # fmt: skip
 def test_what_cannot_be_is_refused(old: str, new: str, message: str) -> None:
     assert old in SAND
-    found = messages(SAND.replace(old, new, 1))
+    found = tiny.messages(SAND.replace(old, new, 1))
     assert any(re.search(message, each) for each in found), found
