@@ -14,9 +14,10 @@ import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numba import get_num_threads
 from scipy.sparse import csr_matrix
 
 from fe_engine.errors import LinearSolverError
@@ -188,6 +189,46 @@ class SymmetricPardiso(Pardiso):
         super().factorise(csr_matrix(half, shape=matrix.shape))
 
 
+class Rslab:
+    """The supernodal LU of rslab: symbolic analysis once, values many times, the same bits on any number of threads.
+
+    Rows are not matched to columns by value: the analysis is that of the pattern, whichever tangent comes first.
+    """
+
+    name = "rslab"
+
+    def __init__(self, single: bool = False) -> None:
+        import rslab
+
+        rslab.set_log_level("off")  # what is wrong is raised
+        self.version: str = rslab.__version__
+        self._analyse, self._settings = rslab.analyze, {"ordering": "metis", "matching": False}
+        self._type = np.float32 if single else np.float64
+        self._analysis: Any = None
+
+    def factorise(self, matrix: csr_matrix) -> None:
+        """Factorise numerically; the first call also analyses the pattern."""
+        columns, threads = matrix.astype(self._type, copy=False).tocsc(), get_num_threads()
+        if self._analysis is None:
+            self._analysis = self._analyse(columns, path="lu", threads=threads, **self._settings)
+        needed = self._analysis.memory_plan(columns.dtype.name, threads=threads)["peak_bytes"]
+        require(float(needed), f"the factorisation of {matrix.shape[0]:,} unknowns")
+        try:
+            self._factors = self._analysis.factor(columns)
+        except RuntimeError as error:
+            raise LinearSolverError(f"rslab: {error}") from error
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """Solve for rhs (n,) or (n, k)."""
+        rhs = np.asarray(rhs, dtype=self._type)
+        x: np.ndarray = self._factors.solve(rhs) if rhs.ndim == 1 else self._factors.solve_many(rhs)
+        return x
+
+    def close(self) -> None:
+        """Drop the factors; the analysis stays."""
+        self._factors = None
+
+
 _TEXT = 200  # letters of MKL's version, at most
 _NO_MEMORY = -2  # Pardiso's error code
 _SINGLE = 28  # iparm: 1: the numbers handed over have 4 bytes
@@ -209,34 +250,31 @@ def _point_at_mkl() -> None:
 
 def available_backends() -> list[str]:
     """Return the names of the backends that can be used here, best first."""
-    names = ["superlu"]
-    if importlib.util.find_spec("pypardiso") is not None:
-        names.insert(0, "pardiso")
-    return names
+    found = {"pardiso": "pypardiso", "rslab": "rslab", "superlu": "scipy"}
+    return [name for name, package in found.items() if importlib.util.find_spec(package) is not None]
 
 
 def make_backend(name: str, n_unknowns: int, symmetric: bool = False, single: bool = False) -> Backend:
     """Return the backend of the given name; ``auto`` takes the best one that works.
 
-    ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. SuperLU has no such
+    ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. The others have no such
     factorisation. ``single`` asks for factors in single precision, which SuperLU is not used for either.
     """
-    chosen = name
-    if chosen == "auto":
-        name = available_backends()[0]
-    if name == "pardiso":
+    for each in available_backends() if name == "auto" else [name]:
         try:
-            return SymmetricPardiso(single) if symmetric else Pardiso(single)
+            if each == "pardiso":
+                return SymmetricPardiso(single) if symmetric else Pardiso(single)
+            if each == "rslab":
+                return Rslab(single)
         except (ImportError, OSError) as error:
-            if chosen != "auto":
-                raise LinearSolverError(f"pardiso does not load here: {error}") from error
-            name = "superlu"
-    if name != "superlu":
+            if name != "auto":
+                raise LinearSolverError(f"{name} does not load here: {error}") from error
+    if name not in ("auto", "superlu"):
         raise LinearSolverError(f"unknown linear solver {name!r}; available: {', '.join(available_backends())}")
     if n_unknowns > SUPERLU_COMFORT:
         warnings.warn(
             f"SuperLU on {n_unknowns} unknowns is slow and needs much memory (comfortable up to {SUPERLU_COMFORT}); "
-            "the extra mkl brings a faster one (x86-64 Linux and Windows)",
+            "the extras rslab (open) and mkl (x86-64 Linux and Windows) bring faster ones",
             stacklevel=2,
         )
     return SuperLU()

@@ -22,7 +22,7 @@ from fe_engine.balance.water import WaterBalance
 from fe_engine.clock import Clock
 from fe_engine.compiled import engine_digest
 from fe_engine.errors import FEError, LinearSolverError
-from fe_engine.linear.backends import Backend, Pardiso
+from fe_engine.linear.backends import Backend, Pardiso, Rslab
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.settings import Settings
 from fe_engine.solve.fourier_stage import FourierStage
@@ -260,6 +260,8 @@ def environment_of(backend: Backend) -> Environment:
     }
     if isinstance(backend, Pardiso):
         versions |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
+    if isinstance(backend, Rslab):
+        versions |= {"rslab": backend.version}
     return versions
 
 

@@ -382,7 +382,7 @@ class Solver(Section):
     tolerance: Annotated[
         float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-5)
     ] = 1e-5
-    linear: Annotated[str, Choice(("auto", "pardiso", "superlu"), "linear solver", planned=("mumps",))] = "auto"
+    linear: Annotated[str, Choice(("auto", "pardiso", "rslab", "superlu"), "linear solver", planned=("mumps",))] = "auto"
     max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
     first_step_fraction: Annotated[float | None, _FRACTION] = None
     max_step_fraction: Annotated[

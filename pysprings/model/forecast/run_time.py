@@ -18,18 +18,29 @@ if TYPE_CHECKING:
 # (13,863) 81.6 and 13.8; peak memory 0.45 and 0.38 GB, 1.08 and 0.59 GB. Power laws through both.
 _UNKNOWNS, _TIME, _TIME_EXPONENT = 4631.0, 2.9, 0.65
 _BYTES, _BYTES_EXPONENT = 0.07e9, 1.77
+_RSLAB_EXPONENT = 0.16  # of the time with rslab over that with Pardiso: 0.9, 1.2, on `paper` (52,099) 1.5
+
+
+def linear_solver(scene: Scene) -> str:
+    """Return what factorises the matrices of a scene of bricks; of a series, which has small ones of its own, ""."""
+    if scene.discretisation == "fourier":
+        return ""
+    return available_backends()[0] if scene.solver.linear == "auto" else scene.solver.linear
 
 
 def uses_superlu(scene: Scene) -> bool:
-    """Return whether SuperLU factorises the matrices of a scene of bricks; a series has small ones of its own."""
-    if scene.discretisation == "fourier":
-        return False
-    return scene.solver.linear == "superlu" or available_backends()[0] == "superlu"
+    """Return whether SuperLU factorises the matrices of a scene."""
+    return linear_solver(scene) == "superlu"
 
 
 def superlu_time(unknowns: int) -> float:
     """Return the time of an increment with SuperLU over that with Pardiso, at least 1."""
     return max(1.0, _TIME * (unknowns / _UNKNOWNS) ** _TIME_EXPONENT)
+
+
+def rslab_time(unknowns: int) -> float:
+    """Return the time of an increment with rslab over that with Pardiso, at least 1."""
+    return max(1.0, (unknowns / _UNKNOWNS) ** _RSLAB_EXPONENT)
 
 
 def superlu_bytes(unknowns: int) -> float:
@@ -97,6 +108,8 @@ def seconds(
         return pictures + _SERIES_START + (1.0 + _SERIES_COARSER + _SERIES_RICHER * share) * paths
     if uses_superlu(scene) if superlu is None else superlu:
         paths *= superlu_time(unknowns)
+    elif superlu is None and linear_solver(scene) == "rslab":
+        paths *= rslab_time(unknowns)
     return pictures + _START + (_SYMMETRIC if symmetric else 1.0) * paths
 
 

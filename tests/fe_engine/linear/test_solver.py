@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Linear solvers: both backends against a dense solve, reuse of the analysis, refusals."""
+"""Linear solvers: all backends against a dense solve, reuse of the analysis, refusals."""
 
 import importlib.util
+import sys
 import warnings
 
+import numba
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags, identity, kron
@@ -14,9 +16,10 @@ from fe_engine.linear import backends
 from fe_engine.linear.backends import SUPERLU_COMFORT, SymmetricPardiso, available_backends, make_backend
 from fe_engine.linear.solver import LinearSolver
 
-HAS_PARDISO = importlib.util.find_spec("pypardiso") is not None
+HAS_PARDISO, HAS_RSLAB = (importlib.util.find_spec(name) is not None for name in ("pypardiso", "rslab"))
 needs_pardiso = pytest.mark.skipif(not HAS_PARDISO, reason="pypardiso is not installed")
-BACKENDS = ["superlu", pytest.param("pardiso", marks=needs_pardiso)]
+needs_rslab = pytest.mark.skipif(not HAS_RSLAB, reason="rslab is not installed")
+BACKENDS = ["superlu", pytest.param("pardiso", marks=needs_pardiso), pytest.param("rslab", marks=needs_rslab)]
 
 
 @pytest.fixture(params=BACKENDS)
@@ -99,9 +102,26 @@ def test_pardiso_analyses_the_pattern_once(monkeypatch):
     backend.close()
 
 
-@needs_pardiso
-def test_what_factors_need_is_judged_before_they_are_made(monkeypatch):
-    backend, matrix = make_backend("pardiso", 10), laplacian()
+@needs_rslab
+def test_what_rslab_factorised_before_leaves_no_trace_in_a_bit():
+    """Of a first matrix that needs rows exchanged, either, nor do threads."""
+    first, second, rhs = unsymmetric(1), unsymmetric(2), rhs_of(laplacian())
+    first[0, 0] = 0.0
+    answers = []
+    for matrices, threads in (((second,), 1), ((first, second), 1), ((second,), numba.config.NUMBA_NUM_THREADS)):
+        backend, before = make_backend("rslab", 49), numba.get_num_threads()
+        numba.set_num_threads(threads)
+        for matrix in matrices:
+            backend.factorise(matrix)
+        answers.append(backend.solve(rhs))
+        numba.set_num_threads(before)
+    assert np.array_equal(answers[0], answers[1]) and np.array_equal(answers[0], answers[2])
+    np.testing.assert_allclose(second @ answers[0], rhs, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", BACKENDS[1:])
+def test_what_factors_need_is_judged_before_they_are_made(name, monkeypatch):
+    backend, matrix = make_backend(name, 10), laplacian()
     with monkeypatch.context() as short:
         short.setattr(memory, "left", lambda: 0.0)
         with pytest.raises(MemoryError, match=rf"factorisation of {matrix.shape[0]} unknowns needs \S+ GB, 0 GB are"):
@@ -111,10 +131,10 @@ def test_what_factors_need_is_judged_before_they_are_made(monkeypatch):
     backend.close()
 
 
-@needs_pardiso
-def test_backends_agree():
+@pytest.mark.parametrize("other", BACKENDS[1:])
+def test_backends_agree(other):
     matrix, answers = unsymmetric(4), []
-    for name in ("superlu", "pardiso"):
+    for name in ("superlu", other):
         solver = LinearSolver(name, matrix.shape[0])
         solver.factorise(matrix)
         answers.append(solver.solve(rhs_of(matrix)))
@@ -196,7 +216,9 @@ def test_unknown_name_lists_what_there_is():
 
 
 def test_auto_takes_the_best_one():
-    assert make_backend("auto", 10).name == available_backends()[0] == ("pardiso" if HAS_PARDISO else "superlu")
+    assert make_backend("auto", 10).name == available_backends()[0] == (
+        "pardiso" if HAS_PARDISO else "rslab" if HAS_RSLAB else "superlu"
+    )
 
 
 def test_superlu_warns_where_it_gets_slow():
@@ -223,6 +245,12 @@ def test_auto_falls_back_where_pardiso_does_not_load(monkeypatch):
     assert make_backend("auto", 10).name == "superlu"
 
 
+def test_rslab_that_is_not_installed_says_so(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rslab", None)
+    with pytest.raises(LinearSolverError, match="rslab does not load here"):
+        make_backend("rslab", 10)
+
+
 # --- memory -------------------------------------------------------------------------------------------------
 
 
@@ -243,12 +271,12 @@ def test_pardiso_without_memory_says_so(monkeypatch):
         solver.factorise(laplacian())
 
 
-@needs_pardiso
-def test_factors_in_single_precision_are_good_to_seven_digits():
+@pytest.mark.parametrize("name", BACKENDS[1:])
+def test_factors_in_single_precision_are_good_to_seven_digits(name):
     matrix, rhs = laplacian(), rhs_of(laplacian(), (3,))
     found = []
     for single in (False, True):
-        backend = make_backend("pardiso", 49, single=single)
+        backend = make_backend(name, 49, single=single)
         backend.factorise(matrix)
         found.append(backend.solve(rhs))
         backend.close()

@@ -128,7 +128,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         ('title = "a\\nb"\n', '1:9: title: "a\\nb" is not 1 to 200 characters on one line'),
         # known, but not there yet
         ('[solver]\nlinear = "mumps"\n',
-         '2:10: solver.linear: "mumps" is not available yet; choose "auto" or "pardiso" or "superlu"'),
+         '2:10: solver.linear: "mumps" is not available yet; choose "auto" or "pardiso" or "rslab" or "superlu"'),
         # values that do not go together
         ('[caisson]\nskirt_thickness = "4 m"\n',
          "2:19: caisson.skirt_thickness: must be less than half of outer_diameter (7.8 m)"),
