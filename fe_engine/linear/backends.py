@@ -257,8 +257,8 @@ def available_backends() -> list[str]:
 def make_backend(name: str, n_unknowns: int, symmetric: bool = False, single: bool = False) -> Backend:
     """Return the backend of the given name; ``auto`` takes the best one that works.
 
-    ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work. The others have no such
-    factorisation. ``single`` asks for factors in single precision, which SuperLU is not used for either.
+    ``symmetric`` promises symmetric positive definite matrices: Pardiso then does half the work; the others have no
+    such factorisation. ``single`` asks for factors in single precision, which SuperLU is not used for either.
     """
     for each in available_backends() if name == "auto" else [name]:
         try:

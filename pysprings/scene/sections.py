@@ -41,6 +41,7 @@ _TORSION_ANGLE = Quantity(
 )  # fmt: skip
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
 _TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
+_LINEAR = Choice(("auto", "pardiso", "rslab", "superlu"), "linear solver", planned=("mumps",))
 _DIRECTION = Quantity("deg", "[-360, 360]", "direction of the load, from +x towards +y", "45 deg", optional=True)
 _TWIST = Quantity("mrad", "[-500, 500]", "rotation about the vertical axis, from +x towards +y", "10 mrad",
                   optional=True)  # fmt: skip
@@ -382,7 +383,7 @@ class Solver(Section):
     tolerance: Annotated[
         float, Number("[1e-12, 0.01]", "largest residual, relative to the norm of the contact forces", 1e-5)
     ] = 1e-5
-    linear: Annotated[str, Choice(("auto", "pardiso", "rslab", "superlu"), "linear solver", planned=("mumps",))] = "auto"
+    linear: Annotated[str, _LINEAR] = "auto"
     max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
     first_step_fraction: Annotated[float | None, _FRACTION] = None
     max_step_fraction: Annotated[
