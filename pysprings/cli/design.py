@@ -116,8 +116,7 @@ def design(
     if cases is None:
         print(f"load cases: {used} as it is now ([design] cases of the run)\n")
     written = [f"{file}: the answers" for file in out or ()]
-    if in_report:
-        written.append(f"{result / 'report.html'}: the report of the run, with the answers")
+    written += [f"{result / 'report.html'}: the report of the run, with the answers"] if in_report else []
     _print(table, written)
     if record:
         print_summary(record)
