@@ -1,60 +1,73 @@
 # SPDX-License-Identifier: MIT
-"""Runs killed at random moments, resumed, and set beside the run that was left alone.
+"""Runs killed at random moments, resumed, and set beside the run that was left alone: python -m benchmarks.kills.
 
-    python -m benchmarks.kills [--runs 20] [--refinement 0.5] [--seed 1]
-
-A drained and a coupled scene in turn, two paths each. `pysprings run` is ended by SIGKILL at a moment that is uniform
-over its whole time, writing its files included, and started again with `--resume`; half of the runs are killed twice.
-Printed are where each went on, and the largest difference of any number of full_model.nc and springs.nc, relative to
-the largest value of its variable. The processes are forks of this one, which has loaded everything: their time is that
-of the run (needs a system with fork; one thread, since those of a solver do not survive it).
+Scenes of series with their error estimate, drained and coupled in turn, by `--jobs 2`, checkpoints each fifth of a
+second. SIGKILL ends the run, one of its workers, the server that starts them, or all of them, up to eight times, random
+times apart of up to half of that of the whole run; a run that has ended is started again with `--resume`.
+Each path notes when it begins and once its end is saved: one that begins again after that, processes and files that
+are left over, hangs and numbers with another bit are failures. Runs are forks of this process, which has loaded all.
 """
 
-import os
-
-os.environ |= {"MKL_THREADING_LAYER": "SEQUENTIAL", "NUMBA_THREADING_LAYER": "workqueue"}  # before anything loads them
-
 import argparse
-import json
+import os
 import random
-import shutil
 import signal
 import sys
 import tempfile
 import time
+from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
+import psutil
 
 from pysprings import Scene
 from pysprings.cli import app
 from pysprings.core.storage import read_tree, write_text
+from pysprings.full_model import checkpoint
+from pysprings.full_model.paths import PathRun
 from pysprings.results.folder import run_to_folder
 from pysprings.scene.sections import PAPER, PAPER_SOIL
 
+LONGEST, SOON = 300.0, 30.0  # s: a run that takes longer hangs; other processes end with it, once they have loaded
+VICTIMS = ("run", "worker", "server", "all")
+NOTES = "NOTES_OF_PATHS"  # variable of the environment: file of the run's notes
 
-def scenes(refinement: float) -> dict[str, Scene]:
-    """Return a dead load and two paths; the coupled one has a rest."""
-    pull = {"name": "pull", "kind": "pull", "lateral_displacement": 1e-3, "rate": 1e-4}
-    turn = {"name": "turn", "kind": "translation", "lateral_displacement": 5e-4, "rate": 1e-3}
-    common = {
-        "title": "killed", "mesh": {"refinement": refinement, "discretisation": "hex8"},
-        "caisson": {"vertical_load": 1.5e6},
-        "solver": {"first_step_fraction": 0.05, "max_step_fraction": 0.2}, "output": {"figures": False},
-    }  # fmt: skip
-    drained = Scene(domain=PAPER, soil=PAPER_SOIL).replace(**common, paths=(pull, turn))
-    rests = {**pull, "role": "held-back", "then": ("rest 2 hour",)}
-    return {"drained": drained, "coupled": drained.replace(drainage={"mode": "coupled"}, paths=(rests, turn))}
+checkpoint.EVERY = 0.2  # in workers as well, which import this module
+_run, _save_end = PathRun.run, PathRun.save_end
 
 
-def start(file: Path, out: Path, *options: str) -> int:
-    """Start `pysprings run` in a process of its own; return its number. Its streams go to a file beside `out`."""
+def _noted(run: PathRun, word: str) -> None:
+    if NOTES in os.environ and (saved := run.work.checkpoints) is not None:
+        with Path(os.environ[NOTES]).open("a") as stream:
+            stream.write(f"{word} {saved.prefix}{run.path.name}\n")
+
+
+PathRun.run = lambda run: (_noted(run, "begins"), _run(run))[1]  # type: ignore[method-assign]
+PathRun.save_end = lambda run: (_save_end(run), _noted(run, "ended"))[0]  # type: ignore[method-assign]
+
+
+def scenes() -> dict[str, Scene]:
+    """Return a dead load and two paths, and a third that turns back, or a rest."""
+    pull = {"name": "pull", "kind": "pull", "lateral_displacement": 2e-3, "rate": 1e-4}
+    turn = {"name": "turn", "kind": "translation", "lateral_displacement": 1e-3, "rate": 1e-4}
+    few = {"first_step_fraction": 0.2, "max_step_fraction": 0.4}
+    mesh = {"refinement": 0.4, "discretisation": "fourier", "harmonics": 2}
+    common = {"title": "killed", "mesh": mesh, "caisson": {"vertical_load": 1.5e6}, "solver": few}
+    back, rest = ({**pull, "name": "third", "role": "held-back", "then": (then,)} for then in ("0 mm", "rest 1 hour"))
+    scene = Scene(domain=PAPER, soil=PAPER_SOIL).replace(**common, output={"figures": False}, paths=(pull, turn, back))
+    return {"drained": scene, "coupled": scene.replace(drainage={"mode": "coupled"}, paths=(turn, rest))}
+
+
+def start(file: Path, out: Path, *options: str) -> psutil.Process:
+    """Start `pysprings run` in a process of its own; its streams go to a file beside `out`."""
     if child := os.fork():
-        return child
+        return psutil.Process(child)
+    os.environ[NOTES] = str(out.with_suffix(".notes"))
     log = os.open(out.with_suffix(".log"), os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     os.dup2(log, 1)
     os.dup2(log, 2)
-    sys.argv = ["pysprings", "run", str(file), "--out", str(out), *options]
+    sys.argv = ["pysprings", "run", str(file), "--out", str(out), "--jobs", "2", *options]
     code = 1
     try:
         app.main()
@@ -64,79 +77,95 @@ def start(file: Path, out: Path, *options: str) -> int:
         os._exit(code)
 
 
-def ended(child: int) -> int:
-    """Wait for a process; return its exit code, that of the signal with a minus."""
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+def running(process: psutil.Process) -> bool:
+    """Return whether a process has not ended; one that nobody waits for is a zombie."""
+    with suppress(psutil.NoSuchProcess):
+        return bool(process.is_running() and process.status() != psutil.STATUS_ZOMBIE)
+    return False
 
 
-def killed(file: Path, out: Path, whole: float, moments: list[float]) -> int:
-    """Kill a run at these fractions of its whole time, each time start it again; return the number of kills."""
-    n, options = 0, ()
-    for moment in moments:
-        run = start(file, out, *options)
-        time.sleep(moment * whole)
-        os.kill(run, signal.SIGKILL)  # a process that has ended waits for `ended`
-        n += ended(run) == -signal.SIGKILL
+def kill(run: psutil.Process, whom: str) -> tuple[int, list[psutil.Process]]:
+    """Kill a part of a run; return 1, or 0 where there was none, and the helpers of the run."""
+    helpers = run.children()  # the server, and what tracks resources
+    workers = [each for helper in helpers for each in helper.children()]
+    parts = [run], workers[-1:], [each for each in helpers if each.children()], [run, *helpers, *workers]
+    for victim in (found := dict(zip(VICTIMS, parts, strict=True))[whom]):
+        with suppress(psutil.NoSuchProcess):
+            victim.kill()
+    return int(bool(found)), [*helpers, *workers]
+
+
+def killed(file: Path, out: Path, whole: float, rng: random.Random) -> Counter[str]:
+    """Kill a run several times, and let it come to its end; return the number of kills by victim."""
+    kills, left, family = Counter[str](), rng.randint(2, 8), list[psutil.Process]()
+    run = start(file, out)
+    while True:
+        try:
+            code = run.wait(0.5 * rng.random() * whole if left else LONGEST)
+        except psutil.TimeoutExpired:
+            assert left, f"{out.name} hangs after {dict(kills)}"
+            whom, left = rng.choice(VICTIMS), left - 1
+            hit, family = kill(run, whom)
+            kills[whom] += hit
+            continue
+        until = time.monotonic() + SOON
+        while (alive := [each for each in family if running(each)]) and time.monotonic() < until:
+            time.sleep(0.05)
+        log = out.with_suffix(".log").read_text()
+        died = code == -signal.SIGKILL or "was ended by SIGKILL (memory?), 2 times" in log
+        assert not alive and (code == 0 or died), f"{out.name} after {dict(kills)}: {code}, left over: {alive}\n{log}"
+        if code == 0:
+            return kills
         # a run that was killed before its first checkpoint has nothing to go on from
-        options = ("--resume",) if any((out / "checkpoint").glob("*.npz")) or (out / "run.json").exists() else ()
-    if ended(start(file, out, *options)):
-        raise SystemExit(f"{file.stem}: {out.with_suffix('.log').read_text()}")
-    return n
+        there = any((out / "checkpoint").glob("*.npz")) or (out / "run.json").exists()
+        run = start(file, out, *(["--resume"] if there else []))
 
 
-def difference(one: Path, other: Path) -> float:
-    """Return the largest difference of two NetCDF files, relative to the largest value of each variable."""
-    a, b, worst = read_tree(one), read_tree(other), 0.0
-    assert a.groups == b.groups, "other groups"
-    for group in a.groups:
-        assert set(a[group].variables) == set(b[group].variables), f"{group}: other variables"
-        for name, variable in a[group].variables.items():
-            x, y = variable.values, b[group].variables[name].values
-            assert x.shape == y.shape and x.dtype == y.dtype, f"{name}: another shape"
-            if x.dtype.kind == "f":
-                assert (np.isnan(x) == np.isnan(y)).all(), f"{name}: NaN elsewhere"
-                scale = float(np.nanmax(np.abs(x), initial=0.0)) or 1.0
-                worst = max(worst, float(np.nanmax(np.abs(x - y), initial=0.0)) / scale)
-            else:
-                assert (x == y).all(), f"{name}: other values"
-    return worst
+def again(notes: Path) -> int:
+    """Return how many paths begin once their end was saved."""
+    ended, number = set[str](), 0
+    for word, _, name in (line.partition(" ") for line in notes.read_text().splitlines()):
+        number += word == "begins" and name in ended
+        ended |= {name} if word == "ended" else set()
+    return number
 
 
-def main() -> int:
-    """Print a line for each run, and the worst difference; return 1 where one is above 1e-10."""
+def apart(alone: Path, out: Path) -> bool:
+    """Return whether two runs differ in a file, a table, or a number."""
+    names, others = ({str(file.relative_to(folder)) for file in folder.rglob("*")} for folder in (alone, out))
+    tables = [name for name in names & others if name.endswith(".csv")]
+    same = names == others and all((alone / name).read_bytes() == (out / name).read_bytes() for name in tables)
+    for name in ("full_model.nc", "springs.nc"):
+        a, b = read_tree(alone / name), read_tree(out / name)
+        same &= a.groups == b.groups and all(a[group].dataset.equals(b[group].dataset) for group in a.groups)
+    return not same
+
+
+def main() -> None:
+    """Print a line for each run, and the sums."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=20)
-    parser.add_argument("--refinement", type=float, default=0.5)
+    parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    rng, place = random.Random(given.seed), Path(tempfile.mkdtemp())
-    whole, outcomes = dict[str, float](), list[tuple[int, int, float]]()
-    for kind, scene in scenes(given.refinement).items():
+    rng, place, alone = random.Random(given.seed), Path(tempfile.mkdtemp()), dict[str, float]()
+    for kind, scene in scenes().items():
         file = write_text(scene.to_toml(), place / f"{kind}.toml")
         run_to_folder(scene, place / "first")  # loads and compiles everything
         began = time.perf_counter()
-        assert ended(start(file, place / kind)) == 0, (place / f"{kind}.log").read_text()
-        whole[kind] = time.perf_counter() - began
-        record = json.loads((place / kind / "run.json").read_text(encoding="utf-8"))
-        print(f"{kind}: {record['mesh']['unknowns']} unknowns, {whole[kind]:.1f} s, {record['checkpoints']}")
-    while len(outcomes) < given.runs:
-        kind, out = list(whole)[len(outcomes) % 2], place / "run"
-        moments = [rng.random() for _ in range(1 + (rng.random() < 0.5))]
-        if kills := killed(place / f"{kind}.toml", out, whole[kind], moments):  # else it was faster than the one alone
-            apart = max(difference(place / kind / name, out / name) for name in ("full_model.nc", "springs.nc"))
-            resumed = json.loads((out / "run.json").read_text(encoding="utf-8"))["resumed"]
-            at = ", ".join(f"{moment:.2f}" for moment in moments)
-            went_on = "; ".join(part["from"] for part in resumed) or "anew"
-            print(f"{kind}, killed at {at} of its time; from {went_on}: {apart:.1e}", flush=True)
-            outcomes.append((kills, len(resumed), apart))
-        shutil.rmtree(out)
-    every = list(zip(*outcomes, strict=True))
-    equal = sum(apart <= 1e-10 for apart in every[2])
-    print(f"{given.runs} runs, {sum(every[0])} kills, {sum(every[1])} resumes from a checkpoint of a path; ", end="")
-    print(f"{equal} equal to the run left alone, largest difference {max(every[2]):.1e}")
-    shutil.rmtree(place)
-    return int(equal < given.runs)
+        assert start(file, place / kind).wait() == 0, (place / f"{kind}.log").read_text()
+        alone[kind] = time.perf_counter() - began
+        ends = (place / f"{kind}.notes").read_text().count("ended")
+        print(f"{kind}: {ends} paths with those of the estimate, {alone[kind]:.1f} s", flush=True)
+    kills, runs, sums = Counter[str](), 0, [0, 0]
+    while kills.total() < given.kills:
+        kind, out, runs = list(alone)[runs % 2], place / f"run-{runs}", runs + 1
+        had = killed(place / f"{kind}.toml", out, alone[kind], rng)
+        found = again(out.with_suffix(".notes")), int(apart(place / kind, out))
+        kills, sums = kills + had, [a + b for a, b in zip(sums, found, strict=True)]
+        print(f"{kind}, {dict(had)}: paths begun after their end: {found[0]}, other results: {found[1]}", flush=True)
+    print(f"{runs} runs, kills: {dict(kills)}; paths begun after their end: {sums[0]}; other results: {sums[1]}")
+    sys.exit(any(sums))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
