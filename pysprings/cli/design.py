@@ -103,7 +103,7 @@ def design(
     record = RunRecord.read(result) if result.is_dir() else None
     about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": tilt or "as in the table"}
     about |= {"group": table.attrs["group"]} if placed else {}
-    about |= {"springs": "; ".join(notes)} if (notes := table.attrs.get("notes")) else {}
+    about |= {"note": "; ".join(notes)} if (notes := table.attrs.get("notes")) else {}
     about |= (record.summary if record else None) or {}
     for file in out or ():
         files.write(file, answers, about, springs)

@@ -328,5 +328,7 @@ def test_the_report_of_a_run_shows_the_answers(tmp_path: Path, cases: Path) -> N
     after = (folder / "report.html").read_text(encoding="utf-8")
     assert "Load cases" not in before and all(f">{name}<" in after for name in ("calm", "storm", "huge"))
     assert list(pd.read_csv(folder / "design.csv")["name"]) == ["calm", "storm", "huge", "mirror"]
+    alone = json.loads(command("design", str(folder), str(cases), "--springs", "py", "--json").out)["about"]
+    assert alone["note"].startswith("p-y springs alone") and alone["springs"].startswith("not checked")
     refused = command("design", str(folder / "springs.nc"), str(cases), "--report")
     assert refused.code == 2 and "--report" in refused.err
