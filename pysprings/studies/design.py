@@ -158,7 +158,9 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
         for column in BOUNDS:
             row[column] = np.max([each.get(column, np.nan) for each in own.values()])  # NaN where one is
         for column in (name for name in row.index if name in WORST or name.startswith("group_")):
-            row[column] = max((each[column] for each in own.values()), key=abs) if known else np.nan
+            values = {name: each[column] for name, each in own.items()}
+            lost = not known or any(pd.isna(value) for value in values.values())
+            row[column] = np.nan if lost else max(values.values(), key=abs)
         row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
         row["estimate"] = ", ".join(f"{name} ({', '.join(words)})" for name, words in found.items() if name)
         rows.append(row)

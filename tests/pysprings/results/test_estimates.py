@@ -122,6 +122,10 @@ def test_numbers_beside_the_largest_are_those_of_its_estimate() -> None:
     (row,) = governing({"best": pd.DataFrame([best]), "low": pd.DataFrame([low])})[1].to_dict("records")
     assert np.isnan(row["utilisation"]) and np.isnan(row["H_capacity_N"]) and row["capacity_kind"] == "not known"
     assert "(utilisation" not in row["estimate"]
+    low |= {"mesh_error_pct": np.nan}
+    for order in (["best", "low"], ["low", "best"]):
+        own = {name: pd.DataFrame([{"best": best, "low": low}[name]]) for name in order}
+        assert np.isnan(governing(own)[1]["mesh_error_pct"][0])
 
 
 def test_bounds_are_the_largest_over_the_estimates() -> None:
