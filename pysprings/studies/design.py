@@ -153,7 +153,7 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
             name = lost[0] if lost else max(values, key=lambda each: abs(values[each]))
             row[column] = np.nan if lost else values[name]
             for beside in (each for each in BESIDE.get(column, ()) if each in row.index):
-                row[beside] = np.nan if lost and column in MOTIONS else own[name][beside]
+                row[beside] = np.nan if lost and column in MOTIONS else own[name].get(beside, np.nan)
             found.setdefault("" if lost else name, []).append(words)
         for column in BOUNDS:
             row[column] = np.max([each.get(column, np.nan) for each in own.values()])  # NaN where one is
