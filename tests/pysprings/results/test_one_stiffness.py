@@ -139,7 +139,7 @@ def test_the_command(folder: Path, full: np.ndarray, torsion: float) -> None:
     assert document["stiffness_6x6"]["long_name"].startswith("initial stiffness of the full model")
     printed = command(*asked).out.split("initial stiffness of the full model")[1].splitlines()[3:9]
     for line, row in zip(printed, six(full, torsion), strict=True):
-        assert line.split()[1:] == [f"{1e-6 * value + 0.0:.5g}" for value in row]
+        assert line.split()[1:] == [number(1e-6 * float(value), 5) for value in row]
 
 
 def test_another_point_and_the_symmetric_part(folder: Path, full: np.ndarray, torsion: float) -> None:
