@@ -159,8 +159,8 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
             row[column] = np.max([each.get(column, np.nan) for each in own.values()])  # NaN where one is
         for column in (name for name in row.index if name in WORST or name.startswith("group_")):
             values = {name: each[column] for name, each in own.items()}
-            lost = not known or any(pd.isna(value) for value in values.values())
-            row[column] = np.nan if lost else max(values.values(), key=abs)
+            found_all = known and not any(pd.isna(value) for value in values.values())
+            row[column] = max(values.values(), key=abs) if found_all else np.nan
         row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
         row["estimate"] = ", ".join(f"{name} ({', '.join(words)})" for name, words in found.items() if name)
         rows.append(row)
