@@ -38,9 +38,8 @@ def scene(mesh: str, end: float, mode: str = "drained") -> Any:
     from pysprings.full_model.accuracy.presets import read_mesh
     from pysprings.scene.sections import PAPER, PAPER_SOIL
 
-    path = {"name": "pull", "kind": "pull", "lateral_displacement": end}
-    if mode == "coupled":
-        path["rate"] = 0.05 * MM
+    rate = {"rate": 0.05 * MM} if mode == "coupled" else {}
+    path = {"name": "pull", "kind": "pull", "lateral_displacement": end} | rate
     output = {"figures": False, "section": False}
     paper = Scene(domain=PAPER, soil=PAPER_SOIL, paths=(path,), drainage={"mode": mode}, output=output)
     return read_mesh(mesh).scene(paper)
@@ -76,11 +75,6 @@ def exponents(n: Sequence[float], values: Sequence[float]) -> tuple[float, float
     return float(np.polyfit(x, y, 1)[0]), float((y[-1] - y[-2]) / (x[-1] - x[-2]))
 
 
-def cost_per_unknown(run: RunRecord, beside: RunRecord) -> float:
-    """Return the wall time by unknown of a run, over that of another."""
-    return float(run.wall_s / run.mesh.unknowns / (beside.wall_s / beside.mesh.unknowns))
-
-
 def measure(runs: Sequence[tuple[str, float, str]]) -> None:
     """Print the cost of runs (mesh, end [m], mode); by mode its growth over meshes, or the last beside the first."""
     for mode in dict.fromkeys(mode for *_, mode in runs):
@@ -89,7 +83,8 @@ def measure(runs: Sequence[tuple[str, float, str]]) -> None:
             found.append(record(mesh, end, mode))
             print(text_of(f"{mesh}, {mode}, to {end / MM:g} mm", found[-1]), flush=True)
         if len(found) == 2:
-            print(f"cost per unknown: {cost_per_unknown(found[1], found[0]):.2f} times that of the first")
+            first, other = (run.wall_s / run.mesh.unknowns for run in found)
+            print(f"cost per unknown: {other / first:.2f} times that of the first")
             continue
         table = [(run.solver.unit_s, run.wall_s, run.solver.peak_before_unit_bytes) for run in found]
         for what, values in zip(("unit", "wall", "memory"), zip(*table, strict=True), strict=True):
@@ -100,10 +95,8 @@ def measure(runs: Sequence[tuple[str, float, str]]) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the sections that are asked for, or all."""
     parser = argparse.ArgumentParser("python -m benchmarks.bench", description="What the solver costs.")
-    parser.add_argument("section", nargs="*", metavar="SECTION", help=", ".join(SECTIONS))
-    chosen = parser.parse_args(arguments).section or list(SECTIONS)
-    if unknown := [name for name in chosen if name not in SECTIONS]:
-        parser.error(f"no section {', '.join(unknown)}; there are {', '.join(SECTIONS)}")
+    parser.add_argument("section", nargs="*", choices=list(SECTIONS), default=list(SECTIONS))
+    chosen = parser.parse_args(arguments).section
     print(f"{os.cpu_count()} processors")
     for mode in GROWTH:  # compiled code is kept on disk from here on
         record("coarse:0.5", 0.1 * MM, mode)

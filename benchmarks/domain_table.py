@@ -32,9 +32,7 @@ def stiffness(slenderness: float, beside: float, below: float, poisson: float, s
     """Return K_H, K_V, K_M (3,) of an elastic caisson, N/m and N m; lengths over the diameter."""
     scene = Scene.model_validate({
         "caisson": {"outer_diameter": DIAMETER, "skirt_length": slenderness * DIAMETER},
-        "domain": {
-            "radius": (0.5 + beside) * DIAMETER, "depth": (slenderness + below) * DIAMETER, "side": side,
-        },
+        "domain": {"radius": (0.5 + beside) * DIAMETER, "depth": (slenderness + below) * DIAMETER, "side": side},
         "soil": PAPER_SOIL | {"yield_surface": "elastic", "poisson_ratio": poisson},
         "mesh": {"preset": "medium", "discretisation": "fourier", "harmonics": 1},
         "path": [{"name": "pull", "kind": "pull", "lateral_displacement": 1e-3}],

@@ -51,11 +51,9 @@ def cases() -> dict[str, Case]:
 
 def scene_of(case: Case) -> Scene:
     """Return the scene of a case: a fan with reversed rays, and all sequences held back."""
-    output = {"interface_fields": False, "section": False, "figures": False}
-    mesh = {"preset": "coarse", "harmonics": 5}
     data = case.scene.model_dump() | {"paths": _sequences(case), "springs": {"reach": case.reach, "memory": True}}
-    data["mesh"] = data["mesh"] | mesh
-    data["output"] = data["output"] | output
+    data["mesh"] |= {"preset": "coarse", "harmonics": 5}
+    data["output"] |= {"interface_fields": False, "section": False, "figures": False}
     return Scene.model_validate(data)
 
 

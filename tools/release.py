@@ -16,12 +16,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 UNRELEASED = "## [Unreleased]\n"
-STEPS = (  # what has to pass, and what is built
-    ("make", "pages"),
-    ("bash", ".ci/run"),
-    ("make", "wheel-check"),
-    ("make", "build"),
-)
+# what has to pass, and what is built
+STEPS = (("make", "pages"), ("bash", ".ci/run"), ("make", "wheel-check"), ("make", "build"))
 Run = Callable[[Sequence[str], Path], None]
 
 

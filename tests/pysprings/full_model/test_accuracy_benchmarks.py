@@ -39,8 +39,13 @@ def test_a_run_in_units_and_shares() -> None:
     assert second.strip() == "solve 75 %, assembly 25 %"
 
 
-def test_cost_per_unknown_is_that_of_the_first_over_the_second() -> None:
-    assert bench.cost_per_unknown(run(3_000, 12.0, 1.0), run(1_000, 2.0, 1.0)) == pytest.approx(2.0)
+def test_cost_per_unknown_of_two_meshes_is_that_of_the_second_over_the_first(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    runs = {"a": run(1_000, 2.0, 1.0), "b": run(3_000, 12.0, 1.0)}
+    monkeypatch.setattr(bench, "record", lambda mesh, _end, _mode: runs[mesh])
+    bench.measure([("a", 1e-3, "drained"), ("b", 1e-3, "drained")])
+    assert "cost per unknown: 2.00 times that of the first" in capsys.readouterr().out
 
 
 def test_meshes_of_the_benchmark_are_scenes() -> None:
