@@ -81,8 +81,8 @@ DIRECTIONS = (
     _m("comparison with a fan that is not there", "compare one.nc --springs fan", "no springs 'fan' here"),
 )
 VERTICAL = (
-    _m("V far beyond that of the paths", "predict one.nc --V 500MN", "V is known from 0 to 4000000 N"),
-    _m("uplift without a vertical path", "predict one.nc --H 100kN --V -1MN", "V is known from 0 to 4000000 N"),
+    _m("V far beyond that of the paths", "predict one.nc --V 500MN", "V is known from 0 N to 4 MN"),
+    _m("uplift without a vertical path", "predict one.nc --H 100kN --V -1MN", "V is known from 0 N to 4 MN"),
     _m("V other than that of the paths", "predict one.nc --H 100kN --V 2.7MN", "is not that of path 'pull'", WARNED),
     _m("the same, with --strict", "predict one.nc --H 100kN --V 2.7MN --strict", "is not that of path 'pull'"),
     _m("V beyond the vertical springs", "predict down.nc --V 60MN", "beyond the vertical springs .path down"),
