@@ -40,6 +40,9 @@ class Backend(Protocol):
     def close(self) -> None:
         """Release the memory of the factors."""
 
+    def versions(self) -> dict[str, str]:
+        """Return what last digits depend on beside SciPy, by name: versions, numbers of threads."""
+
 
 class SuperLU:
     """SciPy's SuperLU: everywhere available, one thread."""
@@ -67,6 +70,10 @@ class SuperLU:
     def close(self) -> None:
         """Drop the factors."""
         self._factors = None
+
+    def versions(self) -> dict[str, str]:
+        """Return nothing: SciPy's version is that of SuperLU."""
+        return {}
 
 
 class Pardiso:
@@ -149,16 +156,13 @@ class Pardiso:
             raise LinearSolverError(f"Pardiso: error {error.value}")
         return np.ascontiguousarray(x)
 
-    def version(self) -> str:
-        """Return the version of MKL, as it names itself: "2026.2"."""
+    def versions(self) -> dict[str, str]:
+        """Return the version of MKL, as it names itself ("2026.2"), and the largest number of threads that it takes."""
         text = ctypes.create_string_buffer(_TEXT)
         self._solver.libmkl.MKL_Get_Version_String(text, ctypes.c_int(_TEXT))
         match = re.search(rb"[Vv]ersion\s+([0-9][0-9.]*)", text.value)
-        return match[1].decode("ascii") if match else "unknown"
-
-    def threads(self) -> int:
-        """Return the largest number of threads that MKL takes."""
-        return int(self._solver.libmkl.MKL_Get_Max_Threads())
+        threads = int(self._solver.libmkl.MKL_Get_Max_Threads())
+        return {"MKL": match[1].decode("ascii") if match else "unknown", "threads of MKL": str(threads)}
 
     def _needed(self) -> float:
         """Return bytes of the factors and of the work on them, by Pardiso's own account after the analysis (in kB)."""
@@ -201,7 +205,7 @@ class Rslab:
         import rslab
 
         rslab.set_log_level("off")  # what is wrong is raised
-        self.version: str = rslab.__version__
+        self._version: str = rslab.__version__
         self._analyse, self._settings = rslab.analyze, {"ordering": "metis", "matching": False}
         self._type = np.float32 if single else np.float64
         self._analysis: Any = None
@@ -227,6 +231,10 @@ class Rslab:
     def close(self) -> None:
         """Drop the factors; the analysis stays."""
         self._factors = None
+
+    def versions(self) -> dict[str, str]:
+        """Return the version of rslab; its threads change no bit."""
+        return {"rslab": self._version}
 
 
 _TEXT = 200  # letters of MKL's version, at most

@@ -61,7 +61,7 @@ class FourierStage:
 
     def __init__(self, system: FourierSystem, clock: Clock | None = None) -> None:
         self.system, self.clock = system, clock or Clock()
-        self.backend = SimpleNamespace(name="fourier")
+        self.backend = SimpleNamespace(name="fourier", versions=dict)
         self.n_factorisations = self.n_solves = self.n_iterations = 0
         self.worst_residual = 0.0
         self.bounds = _BOUNDS

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.text import with_prefix
+
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-6  # share of a moment up to which its part across the plane of H is rounding of angles
@@ -57,6 +59,7 @@ def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Ar
 
 SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
 NO_LOAD = 1.0  # or by this [N]
+_ROUNDED = 1e-9  # loads below this share of the other one are what rounding has left of zero
 CLOSE_LOAD = 0.1  # vertical loads whose lateral springs are one, over the larger
 _KEPT = 1.0 - CLOSE_LOAD * (1.0 - 1e-9)  # a little closer, for rounding
 
@@ -110,3 +113,10 @@ def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:
         found.append(next(float(V) for V in (own, middle, half) if close_loads(group, V).all()))
         left = left[group.size :]
     return tuple(found)
+
+
+def loads_in_words(H: float, M: float) -> str:
+    """Return words for a load H [N], M [N m]; what rounding has left of zero is 0."""
+    least = max(_ROUNDED * max(abs(H), abs(M)), NO_LOAD)
+    force, moment = (0.0 if abs(x) < least else x for x in (H, M))
+    return f"H = {with_prefix(force, 'N')} with M = {with_prefix(moment, 'N m')}"

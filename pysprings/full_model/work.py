@@ -22,7 +22,7 @@ from fe_engine.balance.water import WaterBalance
 from fe_engine.clock import Clock
 from fe_engine.compiled import engine_digest
 from fe_engine.errors import FEError, LinearSolverError
-from fe_engine.linear.backends import Backend, Pardiso, Rslab
+from fe_engine.linear.backends import Backend
 from fe_engine.linear.solver import LinearSolver
 from fe_engine.settings import Settings
 from fe_engine.solve.fourier_stage import FourierStage
@@ -252,17 +252,13 @@ Environment = dict[str, str]
 
 def environment_of(backend: Backend) -> Environment:
     """Return versions and numbers of threads by name, as run.json and checkpoints hold them."""
-    versions = {
+    return {
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "numba": numba.__version__,
         "threads of numba": str(numba.get_num_threads()),
+        **backend.versions(),
     }
-    if isinstance(backend, Pardiso):
-        versions |= {"MKL": backend.version(), "threads of MKL": str(backend.threads())}
-    if isinstance(backend, Rslab):
-        versions |= {"rslab": backend.version}
-    return versions
 
 
 def differences(before: Iterable[Mapping[str, str]], now: Mapping[str, str]) -> list[str]:

@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.loads import same_load
-from pysprings.core.text import with_prefix
+from pysprings.core.loads import loads_in_words, same_load
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
 
@@ -46,18 +45,10 @@ def equations(control: Control, targets: Array, arm: float, size: Array) -> tupl
     return Drive(G, C, np.array([motion[0], size[1] + abs(arm) * size[0]])), aims
 
 
-# Targets below this share of the largest one have no direction, and steps back below it are none; loads below this
-# share of the other one are what rounding has left of zero.
+# Targets below this share of the largest one have no direction, and steps back below it are none.
 ROUNDING = 1e-9
 RANGE_SLACK = 1e-6  # share by which a spring may exceed its range before it counts as extrapolated (rounding)
 MOTION_UNITS = {"u": "m", "rotation": "rad"}
-
-
-def loads_in_words(H: float, M: float) -> str:
-    """Return words for a load H [N], M [N m]; what rounding has left of zero is 0."""
-    least = ROUNDING * max(abs(H), abs(M))
-    force, moment = (0.0 if abs(x) < least else x for x in (H, M))
-    return f"H = {with_prefix(force, 'N')}, M = {with_prefix(moment, 'N m')}"
 
 
 def ending(control: Control, reached: tuple[float, float], target: Array, states: Array, loads: Array) -> str:

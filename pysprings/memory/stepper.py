@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.core.loads import close_loads
+from pysprings.core.loads import close_loads, loads_in_words
 from pysprings.macro.fan import WIDEST, FanTable
-from pysprings.macro.ways import RANGE_SLACK, Control, loads_in_words
+from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance, relax
 from pysprings.memory.mixture import ChangingLoad, Step
 from pysprings.memory.model import MemorySprings, off_rate

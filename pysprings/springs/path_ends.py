@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.core.loads import NO_LOAD
+from pysprings.core.loads import NO_LOAD, loads_in_words
 from pysprings.core.text import with_prefix
 from pysprings.core.words import StopReason
 
@@ -29,7 +29,6 @@ KEYS = ("end", "end_reason", *NUMBERS.values())
 MESH_ERROR = "mesh_error_pct"  # of a path: estimate of the error of its load that the mesh makes [%]
 MARGIN = "cavitation_margin"
 FEWEST = 2  # states of a path that springs are made from
-_ROUNDING = 1e-9  # loads below this share of the other one are what rounding has left of zero
 _NOT_RECORDED = "reason not recorded"
 
 
@@ -67,10 +66,9 @@ class PathEnd:
     def words(self) -> str:
         """How it ended, with the last state and the reason, as the rest of a sentence on the path."""
         words = {LIMIT_LOAD: "met a limit load of the full model", STOPPED: "stopped", REACHED: "reached its aim"}
-        least = max(_ROUNDING * max(abs(self.H), abs(self.M)), NO_LOAD)
-        H, M = (0.0 if abs(x) < least else x for x in (self.H, self.M))
-        known = np.isfinite([H, M]).all() and (H or M)  # a vertical path has neither
-        loads = f" at H = {with_prefix(H, 'N')} with M = {with_prefix(M, 'N m')}" if known else ""
+        size = max(abs(self.H), abs(self.M))
+        known = np.isfinite([self.H, self.M]).all() and size >= NO_LOAD  # a vertical path has neither
+        loads = f" at {loads_in_words(self.H, self.M)}" if known else ""
         loads += f" (u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)" if known and np.isfinite(self.u) else ""
         reason = self.why.partition(" (")[0]  # without the place and the residuals of the last attempt
         why = f" ({reason})" if reason and self.failed else ""

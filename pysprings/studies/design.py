@@ -137,7 +137,7 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
     A row that governs has the largest motion and utilisation over the estimates, and the worst verdict; `estimate`
     names the estimate of each: "low (u, rotation), high (utilisation)". Secants and tangents are of the estimate of
     their motion, capacities of that of their utilisation, mesh error and range used the largest, everything else of the
-    estimate of that verdict. Motions are blank where one estimate has no answer, utilisations where one knows no
+    estimate of that verdict. Motions are blank where one estimate has no answer, utilisations where one has no
     capacity, bounds where one has none: the largest is not known.
     """
     order = (OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # (13,863) 81.6 and 13.8; peak memory 0.45 and 0.38 GB, 1.08 and 0.59 GB. Power laws through both.
 _UNKNOWNS, _TIME, _TIME_EXPONENT = 4631.0, 2.9, 0.65
 _BYTES, _BYTES_EXPONENT = 0.07e9, 1.77
-_RSLAB_EXPONENT = 0.16  # of the time with rslab over that with Pardiso: 0.9, 1.2, on `paper` (52,099) 1.5
+_RSLAB_EXPONENT = 0.16  # of the time with rslab over that with Pardiso: 0.9, 1.2, on `paper` (52,099) 1.4 to 1.5
 
 
 def linear_solver(scene: Scene) -> str:

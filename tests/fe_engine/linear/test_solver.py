@@ -2,6 +2,7 @@
 """Linear solvers: all backends against a dense solve, reuse of the analysis, refusals."""
 
 import importlib.util
+import re
 import sys
 import warnings
 
@@ -365,3 +366,10 @@ def test_an_answer_that_stays_rough_is_refused():
     solver.backend = Rough(matrix, 2e-3)
     with pytest.raises(LinearSolverError, match=r"^rough returned a solution with relative residual 4\.0e-06$"):
         solver.solve(rhs)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_a_record_has_what_last_digits_depend_on(name):
+    found = make_backend(name, 10).versions()
+    assert set(found) == {"superlu": set(), "pardiso": {"MKL", "threads of MKL"}, "rslab": {"rslab"}}[name]
+    assert all(re.fullmatch(r"\d+(\.\d+)*", text) for text in found.values())

@@ -9,7 +9,10 @@ import pytest
 
 from pysprings.cli import compiling
 from pysprings.core import jit
+from pysprings.core.storage import read_tree
+from pysprings.results.folder import Writing, run_to_folder
 from pysprings.scene.load import load_scene
+from pysprings.studies.accuracy.runs import warm_up_scene
 from tests.support import tiny
 from tests.support.commands import command
 
@@ -41,6 +44,15 @@ def test_the_command_runs_a_small_model_and_leaves_nothing_but_loops(tmp_path: P
     assert done.code == 0 and list(json.loads(done.out)["compiled_s"]) == [str(file)]
     assert mark.exists() and {path.name for path in tmp_path.iterdir()} == {"caisson.toml", "mark"}
     assert command("compile", tmp_path / "no.toml").code == 2
+
+
+def test_a_fan_is_short_while_it_compiles_and_still_yields(tmp_path: Path) -> None:
+    fan = tiny.scene(springs={"reach": 0.02, "held_back": False, "vertical": False}, paths=())
+    small = warm_up_scene(fan, "fourier")
+    assert small.springs.reach == pytest.approx(0.002)
+    run_to_folder(small, tmp_path, estimate_error=False, writing=Writing(figures="none"))
+    records = [path["convergence"].dataset for path in read_tree(tmp_path / "full_model.nc")["paths"].children.values()]
+    assert all(float(each["n_plastic"].max()) > 0.0 for each in records)
 
 
 def test_only_the_first_run_of_a_kind_compiles_before(

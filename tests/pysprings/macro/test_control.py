@@ -140,7 +140,7 @@ def test_vertical_load_by_row():
 def test_largest_load_within_the_range_is_named():
     """A uniform p to 5e5 N/m over 4 m at 3 mm: 2 MN with its resultant at half depth, and no more."""
     springs = bilinear_springs()
-    with pytest.warns(MacroWarning, match=r"beyond the range.*within their range they carry H = 2 MN, M = -4 MN m"):
+    with pytest.warns(MacroWarning, match=r"beyond the range.*within their range they carry H = 2 MN with M = -4 MN m"):
         answer = predict(springs, H=3e6, M=-6e6, extrapolate=True)
     assert answer.attrs["limit_H_N"] == pytest.approx(2e6, rel=1e-5)
     assert answer.attrs["limit_M_Nm"] == pytest.approx(-4e6, rel=1e-5)

@@ -256,7 +256,7 @@ def test_load_that_cannot_be_carried_names_what_was_reached():
     u = np.array([0.0, 1e-3, 2e-3, 3e-3])
     p = np.tile([0.0, 4e5, 5e5, 4.9e5], (RINGS, 1))
     springs = springs_of(p, np.zeros((RINGS, 1)), {}, u, 0.0 * u)
-    expected = r"no equilibrium beyond H = (1\.9\d*|2) MN, M = .* on the way to H = 2\.\d+ MN.*last step: u = "
+    expected = r"no equilibrium beyond H = (1\.9\d*|2) MN with M = .* on the way to H = 2\.\d+ MN.*last step: u = "
     with pytest.raises(PredictionNotConverged, match=expected) as caught:
         predict(springs, H=3e6, M=-6e6)  # the resultant of a uniform p: pure translation, up to 5e5 N/m * 4 m
     assert isinstance(caught.value, RunIncomplete)

@@ -27,7 +27,7 @@ from pysprings.macro.predict import (
     way_to_motion,
 )
 from pysprings.macro.stiffness import stiffness, stiffness_six
-from pysprings.macro.vertical import build_vertical
+from pysprings.macro.vertical import build_vertical, covered, share_left
 from pysprings.macro.vertical_answer import largest_vertical
 from pysprings.springs.checks import extract_springs, open_springs, save_springs
 from pysprings.springs.path import paths_of
@@ -523,3 +523,13 @@ def test_the_tolerance_of_v_along_a_path_is_no_other_vertical_load():
     tree["paths/slide"].dataset = path.assign(V=path["V"] + noise, V_lid=path["V_lid"] + noise)
     for V in (0.9 * REST, REST / 0.9):
         assert not way_to_motion(tree, u=2e-3, rotation=0.0, V=V)["off_load"].values.any()
+
+
+def test_the_share_of_loads_that_is_left_is_that_of_the_chord_to_the_end():
+    """By hand: 1 at the V of the springs and within its tolerance, however near the end; else (V - V_e)/(V_s - V_e)."""
+    table = build_vertical(Springs.of(vertical_springs()))
+    end = next(branch.largest for branch in table.branches if branch.sign > 0.0)
+    own, V = np.array([0.5, 0.5, 0.998, 0.998]) * end, np.array([0.5, 0.54, 0.9985, 1.01]) * end
+    np.testing.assert_allclose(share_left(table, V, own), [1.0, 0.46 / 0.5, 1.0, -5.0], rtol=1e-9)
+    assert covered(table, V, own).tolist() == [True, True, True, False]
+    assert np.isnan(share_left(None, V[1:2], own[1:2])) and covered(None, V[1:2], own[1:2]).all()

@@ -14,10 +14,13 @@ from scipy.optimize import brentq
 
 import pysprings
 from pysprings.core.errors import UserInputError
+from pysprings.full_model.compute import run
 from pysprings.results import exporters
 from pysprings.results.exporters import beam
 from pysprings.results.exporters.base import Source
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.springs import Springs
+from tests.support import tiny
 from tests.support.commands import command
 from tests.support.synthetic import Path, make_springs
 from tests.support.vertical import vertical_springs
@@ -236,3 +239,17 @@ def test_a_prediction_on_these_curves_is_no_plain_answer(tmp_path: File) -> None
     done = command("design", file, cases, "--out", answers)
     assert done.code == 0 and "note: curves of a table act apart from each other" in done.out
     assert "curves of a table act apart from each other" in answers.read_text(encoding="utf-8")
+
+
+def test_depths_beyond_the_outer_rings_of_a_mesh() -> None:
+    """Rings of a series end inside the skirt: springs asked for at its ends stand at no ring of the held-back path."""
+    slide = {"name": "slide", "kind": "translation", "lateral_displacement": 0.5e-3}
+    turn = {"name": "turn", "kind": "rotation", "rotation": 1e-4}
+    paths, mesh = (slide, turn, tiny.PULL | {"role": "held-back"}), {"discretisation": "fourier", "harmonics": 2}
+    springs = extract_springs(run(tiny.scene(paths=paths, mesh=mesh)))
+    typed = Springs.of(springs)
+    assert 0.0 < typed.path().depth[0] < typed.path().depth[-1] < typed.length
+    written = exporters.text(springs, "beam", depths=f"0, {typed.length} m")
+    assert written.startswith("# p(y) alone") and "pull" in written.partition("\n")[0]
+    depths = pd.read_csv(io.StringIO(written), comment="#")["depth_m"]
+    assert {0.0, typed.length} <= set(depths)

@@ -100,7 +100,7 @@ def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
 
 
 def test_numbers_beside_the_largest_are_those_of_its_estimate() -> None:
-    """H/u is the secant, H over its capacity the utilisation; no utilisation where one estimate knows no capacity."""
+    """H/u is the secant, H over its capacity the utilisation; no utilisation where one estimate has no capacity."""
     same = {"name": "a", "H_N": 1e6, "w_m": 0.0, "rotation_rad": 1e-3, "tilt_used": 0.1, "marks": "", "answered": 1}
     same |= {"verdict": "ok", "tilt_deg": 0.1, "mesh_error_pct": 1.0}
     best = same | {"u_m": 0.01, "secant_H_u_N_per_m": 1e8, "utilisation": 0.8, "H_capacity_N": 1.25e6}

@@ -116,3 +116,10 @@ def test_a_path_that_turns_back_gives_the_load_at_which_it_first_has_the_tilt(fo
         line = summary(tree, record, pysprings.compare(springs), springs)["tilt"]
         load = np.interp(min(share, 1.0), np.abs(turn / turn[-1]), np.abs(H))
         assert re.search(words.format(1e-6 * load), line), line
+
+
+def test_the_range_of_coupled_springs_names_their_rate(folder: Path, tmp_path: Path) -> None:
+    for of, words in ((run_to_folder(tiny.wet(kind="translation"), tmp_path), "; at 0.1 mm/s (of rho)"), (folder, "")):
+        record = RunRecord.read(of)
+        assert record is not None and record.summary is not None
+        assert record.summary["range"].endswith(f"monotonic loading; in proportion{words}")
