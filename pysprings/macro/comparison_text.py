@@ -138,7 +138,8 @@ def _uncovered(row: Mapping[Hashable, Any]) -> str:
 _NOTES = [
     f"errors: macro-model over full model minus 1, at equal displacement; states below {SKIP_BELOW:.0%} of "
     "the largest are left out; '-': imposed or undefined",
-    "on a swipe, under a load that climbs and where a path turns back errors are relative to the largest of the path",
+    "on a swipe, under a load that climbs, where a path turns back, and of a load that changes its sign errors are "
+    "relative to the largest of the path",
     "u: error of the displacement at equal load; z_rot: depth of the point of rotation, at the end and largest error",
     "between: the largest error when every second recorded state is left out of the springs",
     "eta = 1 - area between the load-displacement curves / area of the full model's; "

@@ -8,9 +8,9 @@ Accuracy, after the PISA project (Byrne et al. 2020, Geotechnique 70:1030):
 value). On a rotation path the curve is M against rotation, and "small" is that displacement over the skirt
 length.
 
-Relative errors leave out states below 1 % of the largest displacement (or rotation) of the path. On a swipe, under a
-load that climbs and on a path that turns back the answer may pass through zero: errors are relative to the largest one
-of the path there.
+Relative errors leave out states below 1 % of the largest displacement (or rotation) of the path. Where the answer may
+pass through zero (on a swipe, under a load that climbs, on a path that turns back) or does (M of a ray), errors are
+relative to the largest one of the path.
 """
 
 from collections.abc import Mapping
@@ -68,8 +68,8 @@ def errors(path: SpringPath, answer: xr.Dataset, x: Array, answers: tuple[str, .
         if label in answers:
             reference = path[label][: x.size]
             change = reference - reference[0] if label == "V" and reference.size else reference
-            # answers may pass through zero on a path that bends or turns: errors count beside the largest of the path
-            crosses = path.bends or path.turns_back
+            counted = change[_counted(x)]
+            crosses = path.bends or path.turns_back or counted.min(initial=0.0) < 0.0 < counted.max(initial=0.0)
             scale = np.full_like(reference, np.abs(reference).max(initial=0.0)) if crosses else change
             worst, last = _relative_errors(x, scale, scale + answer[label].values - reference)
         out |= {f"{label}_error_max_pct": worst, f"{label}_error_end_pct": last}
@@ -81,9 +81,14 @@ def between(by_name: Mapping[str, float]) -> dict[str, float]:
     return {f"{label}_error_between_pct": by_name.get(f"{label}_error_max_pct", np.nan) for label in _ERRORS}
 
 
+def _counted(x: Array) -> NDArray[np.bool_]:
+    """Return which states (n,) count in relative errors: large enough."""
+    return (np.abs(x) >= SKIP_BELOW * np.abs(x).max(initial=0.0)) & (x != 0.0)
+
+
 def _relative_errors(x: Array, reference: Array, answer: Array) -> tuple[float, float]:
-    """Return the largest (signed) and last error [%] over the states that count: large enough, reference not zero."""
-    counted = (np.abs(x) >= SKIP_BELOW * np.abs(x).max(initial=0.0)) & (x != 0.0) & (reference != 0.0)
+    """Return the largest (signed) and last error [%] over the states that count, with a reference that is not zero."""
+    counted = _counted(x) & (reference != 0.0)
     if not counted.any():
         return np.nan, np.nan
     error = 100.0 * (answer[counted] / reference[counted] - 1.0)

@@ -229,3 +229,12 @@ def test_errors_of_a_swipe_are_relative_to_its_largest_load() -> None:
     found = errors(of_kind(full, "swipe"), answer, np.array([1e-3, 2e-3, 3e-3]), ("H", "M"))
     assert found["H_error_max_pct"] == pytest.approx(5.0)
     assert found["M_error_end_pct"] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("M", "error"), [([-0.01, 4.0, 8.0], 1.25), ([0.01, 4.0, 8.0], 1000.0)])
+def test_errors_of_a_moment_that_changes_its_sign_are_relative_to_its_largest(M: list[float], error: float) -> None:
+    u = np.array([1e-3, 2e-3, 3e-3])
+    full = xr.Dataset({"u": ("step", u), "rotation": ("step", 0.5 * u), "M": ("step", np.array(M))})
+    found = errors(of_kind(full, "translation"), full.assign(M=full["M"] + 0.1), u, ("M",))
+    assert found["M_error_max_pct"] == pytest.approx(error)
+    assert found["M_error_end_pct"] == pytest.approx(1.25)
