@@ -9,6 +9,7 @@ unit or a digit, and the sentence shows the value that was probably meant. 0 is 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
@@ -20,7 +21,7 @@ from pydantic import BaseModel
 from pysprings.core.path_kinds import LOADS, PATH_KINDS
 from pysprings.core.units import read, show, si_of
 from pysprings.scene.by_depth import ByDepth, Profile, of_surface
-from pysprings.scene.fields import Number, Quantity
+from pysprings.scene.fields import Interval, Number, Quantity
 from pysprings.scene.ground import Stratum, given_values, moved_layers
 from pysprings.scene.interface import adhesion_factor
 from pysprings.scene.scene_sections import SceneSections
@@ -294,6 +295,25 @@ def _common(name: str) -> Range | None:
     unit = field.unit.removeprefix("1")
     low, high = field.common
     return Range(low, high, unit, read(f"1 {unit}", si_of(unit)) if unit else 1.0)
+
+
+def wrong_value(key: str, value: float) -> str:
+    """Return what is wrong with a value of a layer (SI) that a table gives: outside what a scene takes, or a code."""
+    field = plain_field(key)
+    unit = field.unit.removeprefix("1")
+    shown = f"{value / (read(f'1 {unit}', si_of(unit)) if unit else 1.0):.6g}"
+    if not Interval(field.interval).holds(value, field.unit):
+        return f"{key} {f'{shown} {unit}'.strip()} is not in {field.interval} {unit}".strip()
+    common = _common(key)
+    if common and re.fullmatch(r"9{3,}(?:\.(?:9+|25))?", shown) and _beyond(value / common.scale, common):
+        return f"{key} {f'{shown} {unit}'.strip()} looks like a code for no value: leave the cell blank"
+    return ""
+
+
+def beyond_common(key: str, value: float) -> str:
+    """Return the words on a value of a layer (SI) beyond its common range; empty for others."""
+    common = _common(key)
+    return _beyond(value / common.scale, common) if common else ""
 
 
 def _of_clay(scene: SceneSections, stratum: Stratum) -> Iterator[str]:

@@ -93,6 +93,7 @@ _STIFF = ("young_modulus", "shear_modulus", "rigidity_ratio")
 _STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion", DENSITY)
 # of the name of a column: key, estimate, end
 _PARTS = re.compile(rf"(.+?)(?: ({'|'.join(ESTIMATES)}))?(?: (from|to))?")
+_MARK = re.compile(r"layer \d+: \S+(?= outside the range of )")  # of a remark that `pysprings ground` writes
 _PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
 # behind the key in the names of columns
 _COLUMN_PARTS = ("from", "to", *(f"{each}{end}" for each in ESTIMATES for end in ("", " from", " to")))
@@ -170,10 +171,13 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
         if DENSITY in layer and not _is_sand(layer, soil):
             del layer[DENSITY]
             beside.append(str(layer.get("name", k + 1)))
+    if marks := [each[0] for each in map(_MARK.match, table.comments) if each and _is_used(each.string)]:
+        text = f"outside the range of their correlations, by the remarks below the table: {'; '.join(marks)}"
+        warnings.warn(f"{table.place}: {text}", TableNote, stacklevel=2)
     if beside:
         text = f"relative density of {', '.join(beside)} (law sand has no other strength beside it)"
         warnings.warn(f"{table.place}: not used: {text}", TableNote, stacklevel=2)
-    _check_joints(table, *ends)
+    check_joints(table, *ends)
     if len(layers) > MOST_LAYERS:
         table.faults.add((table.place, None), None, f"holds {len(layers)} layers, at most {MOST_LAYERS}: join some")
     table.faults.stop()
@@ -183,6 +187,11 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
                 if isinstance(each, dict):
                     each["to"] = show(float(ends[1][-1]), "m")
     return layers
+
+
+def _is_used(mark: str) -> bool:
+    """Return whether a value has a correlation that is outside its range, and not left out."""
+    return mark.count(" of the rows") > mark.count(" of the rows, left out")
 
 
 def _assumed(head: Sequence[str]) -> Mapping[str, str]:
@@ -391,7 +400,7 @@ def _name_of(table: Table, key: str, estimate: str = "") -> str:
     return next((name for name in own if _parts(name)[1] == estimate), own[0] if own else key)
 
 
-def _check_joints(table: Table, tops: Array, bottoms: Array) -> None:
+def check_joints(table: Table, tops: Array, bottoms: Array) -> None:
     """Note layers that do not begin where the one above them ends."""
     if "bottom" not in table:
         for k in np.flatnonzero(np.diff(tops) <= 0.0).tolist() if "top" in table else ():

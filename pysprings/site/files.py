@@ -4,19 +4,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.tables import ENDINGS, Column, Sheet, Table, is_table, one_table, sheets_of, split
+from pysprings.core.tables import ENDINGS, Column, Sheet, Table, TableNote, is_table, one_table, sheets_of, split
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
-from pysprings.scene.profile_table import EPS50, NAMES, TOTAL, VELOCITY, WATER, columns, row_ends
+from pysprings.scene.defaults import wrong_value
+from pysprings.scene.profile_table import (
+    EPS50,
+    NAMES,
+    SAME,
+    TOTAL,
+    VELOCITY,
+    WATER,
+    check_joints,
+    columns,
+    row_ends,
+)
 from pysprings.scene.sections import BY_LAYER
 from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
@@ -177,6 +189,10 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     """Return the tests of a table, one a location."""
     table = _table(path, _TEST_COLUMNS, "a CPT", sheets)
     names = table.texts("location")
+    for k in [k for k, each in enumerate(names) if not each] if len(set(names) - {""}) > 1 else ():
+        table.fault(k, "location", "is blank: name the test of each row")
+    if "Rf" in table and re.fullmatch(r"[\w .]*", table.key("Rf")) and table.columns["Rf"][1].unit in ("", "1"):
+        table.fault(None, "Rf", "has no unit: write 'Rf [%]', or 'Rf [-]' for a share")
     given = {name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u")}
     table.faults.stop()
     given["u2"] = np.where(np.isfinite(given["u2"]), given["u2"], given.pop("u"))
@@ -204,6 +220,8 @@ def _points(path: Path, sheets: list[Sheet]) -> Points:
     good = np.isfinite(depth) & (depth >= 0.0)
     if not good.any():
         raise refused(path, "no row has a depth below mudline, 0 or more", table.head_line)
+    if count := int((~good).sum()):
+        warnings.warn(f"{table.place}: {count} rows without a depth of 0 or more are not used", TableNote, stacklevel=2)
     return Points(table.place, depth[good], {key: value[good] for key, value in values.items()})
 
 
@@ -218,23 +236,38 @@ def _joined(first: Points | None, other: Points) -> Points:
     return Points(first.place, np.concatenate([first.depth, other.depth]), values)
 
 
+# the column that gives a key, too: its name, and the key from its values and total unit weights
+_OTHERS: dict[str, tuple[str, Callable[[Array, Array], Array]]] = {
+    "undrained_shear_strength": ("su peak", lambda values, _: values),
+    "effective_unit_weight": (TOTAL, lambda values, _: values - WATER),
+    "strain_at_half_strength": (EPS50, lambda values, _: 1.5 * values),
+    "shear_modulus": (VELOCITY, lambda values, total: total / 9.81 * values**2),
+}
+
+
 def _values(table: Table, end: str = "") -> dict[str, Array]:
     """Return the values of the rows by key, in SI; those at one end of each layer where it has them."""
 
-    def column(key: str) -> Array:
-        own = table.numbers(key, most=False)
-        there = table.numbers(f"{key} {end}", most=False) if end else own
+    def column(name: str) -> Array:
+        own = table.numbers(name, most=False)
+        if not end or f"{name} {end}" not in table:
+            return own
+        there = table.numbers(f"{name} {end}", most=False)
+        other = table.numbers(f"{name} {'to' if end == 'from' else 'from'}", most=False)
+        for k in np.flatnonzero(np.isnan(there) & np.isnan(own) & np.isfinite(other)).tolist():
+            table.fault(k, f"{name} {end}", "blank beside the value at the other end of the layer")
         return np.where(np.isfinite(there), there, own)
 
-    values = {key: column(key) for key in BY_LAYER}
-    total, half, speed = column(TOTAL), column(EPS50), column(VELOCITY)
-    others = {
-        "undrained_shear_strength": table.numbers("su peak", most=False), "effective_unit_weight": total - WATER,
-        "strain_at_half_strength": 1.5 * half, "shear_modulus": total / 9.81 * speed**2,
-    }  # fmt: skip
-    for key, other in others.items():
-        values[key] = np.where(np.isfinite(values[key]), values[key], other)
-    return {key: value for key, value in values.items() if np.isfinite(value).any()}
+    out, total = {}, column(TOTAL)
+    for key in BY_LAYER:
+        given, (name, of) = column(key), _OTHERS.get(key, (key, lambda values, _: values))
+        values = np.where(np.isfinite(given), given, of(column(name), total))
+        for k in np.flatnonzero(np.isfinite(values)).tolist():
+            source = key if np.isfinite(given[k]) else name
+            if wrong := wrong_value(key, float(values[k])):
+                table.fault(k, f"{source} {end}" if f"{source} {end}" in table else source, wrong)
+        out[key] = values
+    return {key: values for key, values in out.items() if np.isfinite(values).any()}
 
 
 def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
@@ -242,6 +275,9 @@ def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
     ends = {name: table.numbers(name, most=False) for name in ("top", "bottom")}
     firsts, lasts = _values(table, "from"), _values(table, "to")
     tops, bottoms = row_ends(table, ends)
+    check_joints(table, tops, bottoms)
+    if len(tops) and abs(tops[0]) > SAME:
+        table.fault(0, "top", f"the first layer begins at {tops[0]:g} m: it begins at mudline, 0 m")
     bottoms = np.where(np.isfinite(bottoms), bottoms, np.append(tops[1:], np.nan))
     for k in np.flatnonzero(~(bottoms > tops)).tolist():
         table.fault(k, "bottom", "is blank, or not below the top of the layer")

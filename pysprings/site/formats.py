@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import one_line
 from pysprings.core.units import quoted
+from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import WATER
 from pysprings.site.sounding import Sounding, sounding
 
@@ -188,6 +189,13 @@ def ags_points(path: Path, groups: Groups) -> tuple[Array, dict[str, Array]]:
                 path, f"{name}: the unit is {quoted(unit)}, expected one of {', '.join(factors)}", _line_of(units)
             )
         values = factors[unit] * _ags_column(path, head, head.index(name), rows) - less
+        wrong = [
+            Problem(str(path), line, key=name, message=text)
+            for (line, _), value in zip(rows, values.tolist(), strict=True)
+            if np.isfinite(value) and (text := wrong_value(key, value))
+        ]
+        if wrong:
+            raise UserInputError(wrong)
         depths.append(_ags_column(path, head, head.index("SPEC_DPTH"), rows))
         found.append((key, values))
     depth = np.concatenate(depths) if depths else np.empty(0)
@@ -267,7 +275,7 @@ def _ags_ratios(groups: Groups) -> dict[str, float]:
     if not {"LOCA_ID", "SCPG_CAR"} <= set(head):
         return {}
     pairs = ((cells[head.index("LOCA_ID")], _number(cells[head.index("SCPG_CAR")])) for _, cells in rows)
-    return {name: ratio for name, ratio in pairs if 0.0 < ratio <= 1.0}
+    return {name: ratio for name, ratio in pairs if ratio}
 
 
 def _ags_column(path: Path, head: Sequence[str], at: int, rows: Sequence[tuple[int, list[str]]]) -> Array:

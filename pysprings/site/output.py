@@ -3,6 +3,7 @@
 
 import csv
 import io
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import UserInputError
+from pysprings.core.tables import TableNote
 from pysprings.core.text import one_line
 from pysprings.core.units import read, si_of
 from pysprings.core.words import ESTIMATES
@@ -184,7 +186,9 @@ def faults_of(path: Path) -> list[str]:
     from pysprings.scene.profile_table import read_layers
 
     try:
-        read_layers(path)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", TableNote)  # remarks that are printed already
+            read_layers(path)
     except UserInputError as error:
         return [str(each) for each in error.problems]
     return []

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.text import suggestion
+from pysprings.scene.defaults import beyond_common
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
 from pysprings.site.correlations import CONE_FACTORS, CRITICAL, SAND, Correlation, Rows, clay, dilation
@@ -39,12 +40,15 @@ LINEAR = (
     "young_modulus",
     "cohesion",
 )  # by depth; the others are means of a layer
-SOFTER = ("strain_at_half_strength",)  # where the greatest value makes the softest ground
+# where the greatest value makes the softest ground
+SOFTER = ("strain_at_half_strength", "mobilisation_strain", "hardening_parameter", "contraction")
 WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades
 _NOT_OF_POINTS = {*STIFFNESSES, "overconsolidation_ratio", "hydraulic_conductivity"} - {"shear_modulus"}
 MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
+ROUNDING = 1.0e-9  # of the largest value of a line: less is 0
+LEAST_SHARE = 0.02  # of the largest value of a line, where points have no ratio to it
 MOST_NAMED = 60  # characters of a name
 FEWEST_POINTS = 3  # in a layer, for a range
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
@@ -209,7 +213,8 @@ def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[U
 
 def _unit(bed: Bed, index: Array) -> Unit:
     """Return a layer of a table, without values."""
-    short = bed.name if len(bed.name) <= MOST_NAMED else f"{bed.name[: MOST_NAMED - 3]}..."
+    name = bed.name.lstrip("=+-@ ") or "layer"  # a spreadsheet would read a formula
+    short = name if len(name) <= MOST_NAMED else f"{name[: MOST_NAMED - 3]}..."
     return Unit(bed.top, bed.bottom, short, _kind(bed, index))
 
 
@@ -285,6 +290,8 @@ def _remark(unit: Unit) -> None:
     """Add what a file gives and the law does not use, and what is missing."""
     law, written = SOIL_LAWS[unit.law], unit.written
     for key, value in unit.values.items():
+        odd = dict.fromkeys(filter(None, (beyond_common(key, float(each)) for each in value.lines[1])))
+        unit.remarks.extend(f"{key}: {text}" for text in odd)
         if value.measured and key not in written:
             unit.remarks.append(f"{key} ({value.sources[0]}) is not written: law {unit.law} does not use it")
     if law.gives_stiffness and "shear_modulus" in written:
@@ -321,7 +328,9 @@ def _measured(unit: Unit, points: Points, ends: Array, correlated: set[str]) -> 
             unit.remarks.append(f"{count} measured {key}: too few for a line, drawn alone")
             continue
         best = _line(points.depth[own], values[own], ends, key)
-        ratios = values[own] / np.interp(points.depth[own], ends, best)
+        line = np.interp(points.depth[own], ends, best)
+        some = np.abs(line) > LEAST_SHARE * np.abs(line).max()  # none where the line is 0
+        ratios = values[own][some] / line[some] if some.any() else np.ones(1)
         low, high = np.percentile(ratios, [10.0, 90.0]) if count >= FEWEST_POINTS else np.ones(2)
         shares = min(low, 1.0), 1.0, max(high, 1.0)
         if count < FEWEST_POINTS:
@@ -385,7 +394,8 @@ def _line(depth: Array, values: Array, ends: Array, key: str) -> Array:
         slope, level = np.polyfit(depth[keep], values[keep], 1)
         off = np.abs(values - level - slope * depth)
         keep = off <= 2.0 * np.std(off[keep]) + np.mean(off[keep])
-    return np.clip(level + slope * ends, 0.5 * values[keep].min(), 2.0 * values[keep].max())
+    line = np.clip(level + slope * ends, 0.5 * values[keep].min(), 2.0 * values[keep].max())
+    return np.where(np.abs(line) > ROUNDING * np.abs(line).max(), line, 0.0)
 
 
 def _derived(unit: Unit) -> None:

@@ -9,6 +9,7 @@ programming over cells.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -24,8 +25,17 @@ PA = 1.0e5  # Pa, atmospheric pressure of the normalisations
 AREA_RATIO = 0.8  # of a cone whose file gives none
 LEAST_STRESS = 1.0e3  # Pa, below which normalisations use it
 # beyond these a unit is wrong: m, Pa, Pa, share
-MOST_DEPTH, MOST_CONE, LEAST_CONE, MOST_FRICTION = 500.0, 200.0e6, 20.0e3, 0.3
+MOST_DEPTH, MOST_CONE, LEAST_CONE, MOST_FRICTION, LEAST_FRICTION = 500.0, 200.0e6, 20.0e3, 0.3, 5.0e-4
+MOST_PRESSURE, LEAST_PRESSURE = 2.0, 0.02  # of u_2 over q_c in the median, over the hydrostatic pressure
 CHANNELS = ("depth", "qc", "qt", "fs", "Rf", "u2")
+# by channel: name, the largest size that a test has (SI), unit of messages and its factor
+_SIZES = {
+    "depth": ("a depth", MOST_DEPTH, "m", 1.0), "qc": ("a cone resistance", MOST_CONE, "MPa", 1e-6),
+    "qt": ("a cone resistance", MOST_CONE, "MPa", 1e-6), "fs": ("a sleeve friction", 5.0e6, "MPa", 1e-6),
+    "Rf": ("a friction ratio", 5.0, "%", 100.0), "u2": ("a pore pressure u2", 10.0e6, "MPa", 1e-6),
+}  # fmt: skip
+SUBMERGED = 2.0  # m, depth of the first row of elevations below mudline
+SHORTEST, OVERLAP = 0.1, 1.3  # share of rows that fall, and length of runs over the depth, of several tests in one
 
 
 @dataclass(frozen=True)
@@ -60,7 +70,7 @@ class Sounding:
         """q_t (n,) = q_c + u_2 (1 - a) [Pa]; the one of the file where it gives that; q_c without pore pressure."""
         ratio = AREA_RATIO if self.area_ratio is None else self.area_ratio
         own = self.cone + np.nan_to_num(self.pressure) * (1.0 - ratio)
-        return np.where(np.isfinite(self.corrected), self.corrected, own)
+        return np.maximum(np.where(np.isfinite(self.corrected), self.corrected, own), LEAST_STRESS)
 
 
 def sounding(
@@ -74,25 +84,40 @@ def sounding(
     Raises UserInputError: fewer than three rows are left.
     """
     length = len(given["depth"])
-    channel = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}
-    depth, notes = channel["depth"], []
-    finite = depth[np.isfinite(depth)]
-    if finite.size and np.median(finite) < 0.0:
-        depth = -depth
-        notes.append("depths are negative: taken as depths below mudline")
+    channel, notes = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}, []
+    for each in CHANNELS:
+        channel[each], found = _without_voids(place, each, channel[each])
+        notes += found
+    depth, upward = _downward(place, channel["depth"], drilled)
+    notes += upward
     cone = np.where(np.isfinite(channel["qc"]), channel["qc"], channel["qt"])
     good = np.isfinite(depth) & np.isfinite(cone) & (depth >= max(drilled, 0.0)) & (cone > 0.0)
     if drilled > 0.0:
         notes.append(f"rows above the pre-drilled depth of {drilled:g} m are left out")
+    elif above := int((depth < 0.0).sum()):
+        notes.append(f"{above} rows above mudline are left out")
     if good.sum() < 3:
-        message = f"holds {int(good.sum())} rows with depth and cone resistance: a CPT needs three at least"
+        message = f"{name}: {int(good.sum())} rows with depth and cone resistance: a CPT needs three at least"
         raise UserInputError([Problem(place, message=message)])
+    notes += _order(place, name, depth[good])
     sleeve = np.where(np.isfinite(channel["fs"]), channel["fs"], channel["Rf"] * cone)
-    _refuse_units(place, depth[good], cone[good], sleeve[good])
+    if count := int((sleeve[good] <= 0.0).sum()):
+        notes.append(f"{count} rows without positive sleeve friction have no I_c")
+    sleeve = np.where(sleeve > 0.0, sleeve, np.nan)
+    _refuse_units(place, cone[good], sleeve[good], channel["u2"][good])
     if missing := int((~good & (np.nan_to_num(depth, nan=drilled) >= drilled)).sum()):
         notes.append(f"{missing} of {length} rows without depth or positive cone resistance are left out")
+    if area_ratio is not None and not 0.1 <= area_ratio <= 1.0:
+        notes.append(f"the area ratio {area_ratio:g} of the file is no share of 0.1 to 1: it does not count")
+        area_ratio = None
     order = np.flatnonzero(good)[np.argsort(depth[good], kind="stable")]
-    pressure = channel["u2"][order]
+    pressure, known = channel["u2"][order], np.isfinite(channel["u2"][order])
+    if known.any() and not known.all():
+        pressure = np.interp(depth[order], depth[order][known], pressure[known], left=np.nan, right=np.nan)
+        notes.append(f"{int((~known).sum())} rows without u2: between its neighbours, beyond them q_t = q_c")
+    if known.any() and np.nanmax(np.abs(pressure)) < LEAST_PRESSURE * WATER * depth[order].max():
+        share = f"{LEAST_PRESSURE:.0%} of the hydrostatic pressure"
+        notes.append(f"u2 is below {share} everywhere: not measured, or its unit?")
     if not np.isfinite(pressure).any() and not np.isfinite(channel["qt"]).any():
         notes.append("no pore pressure u2: q_t = q_c, which is too small in soft clay")
     elif area_ratio is None and not np.isfinite(channel["qt"]).any():
@@ -102,19 +127,76 @@ def sounding(
     )
 
 
-def _refuse_units(place: str, depth: Array, cone: Array, sleeve: Array) -> None:
-    """Refuse depths, resistances and frictions that no test has: their units are wrong."""
-    known = np.isfinite(sleeve)
-    friction = float(np.median(sleeve[known] / cone[known])) if known.any() else 0.0
-    deepest, most = float(depth.max()), float(cone.max())
+def _without_voids(place: str, name: str, values: Array) -> tuple[Array, list[str]]:
+    """Return a channel with NaN for numbers that stand for no value, and a note on each of them.
+
+    That is a number beyond the size that a test has, or of nines (-9999, 999.25), with more than twice the size of all
+    others. Raises UserInputError: other numbers beyond that size.
+    """
+    (what, most, unit, factor), out, notes = _SIZES[name], values.copy(), []
+    while len(known := np.unique(out[np.isfinite(out)])) > 1:
+        code = known[np.argmax(np.abs(known))]
+        rest = float(np.abs(known[known != code]).max())
+        nines = re.sub(r"\D", "", f"{abs(code):e}").startswith("999")
+        if not (abs(code) > most or nines) or abs(code) <= 2.0 * rest:
+            break
+        count = int((out == code).sum())
+        notes.append(f"{count} values of {what.removeprefix('a ')} are {code * factor:.6g} {unit}: taken as missing")
+        out[out == code] = np.nan
+    largest = float(np.nanmax(np.abs(out), initial=0.0))
+    if largest > most:
+        message = f"has {what} of {largest * factor:.4g} {unit}, beyond {most * factor:g} {unit}: is the unit right?"
+        raise UserInputError([Problem(place, message=message)])
+    return out, notes
+
+
+def _downward(place: str, depth: Array, drilled: float) -> tuple[Array, list[str]]:
+    """Return depths that grow downwards, and a note where they did not.
+
+    Raises UserInputError: elevations above another level than mudline.
+    """
+    finite = depth[np.isfinite(depth)]
+    if not finite.size or np.median(finite) >= 0.0:
+        return depth, []
+    if -finite.max() > max(SUBMERGED, drilled):
+        begin = f"depths are negative and begin at {finite.max():g} m"
+        message = f"{begin}: elevations of another level? a CPT counts from mudline, 0 m, down"
+        raise UserInputError([Problem(place, message=message)])
+    return -depth, ["depths are negative: taken as depths below mudline"]
+
+
+def _order(place: str, name: str, depth: Array) -> list[str]:
+    """Return a note on rows that are not in the order of their depth. Raises UserInputError: two tests in one."""
+    falls = np.flatnonzero(np.diff(depth) < 0.0)
+    if not len(falls):
+        return []
+    runs = np.split(depth, falls + 1)
+    if len(falls) <= max(1.0, SHORTEST * len(depth)) and sum(map(np.ptp, runs)) > OVERLAP * np.ptp(depth):
+        above, below = depth[falls[0]], depth[falls[0] + 1]
+        what = f"{name}: the depth falls from {above:g} to {below:g} m from one row to the next"
+        message = f"{what}: several tests in one? name them in a column Location, or give each a file"
+        raise UserInputError([Problem(place, message=message)])
+    return ["rows are not in the order of their depth: sorted"]
+
+
+def _refuse_units(place: str, cone: Array, sleeve: Array, pressure: Array) -> None:
+    """Refuse resistances, frictions and pressures that no test has: their units are wrong."""
+    friction, most = _median(sleeve / cone, 0.01), float(cone.max())
+    share = _median(pressure / cone, 0.0)
     for wrong, what in (
-        (deepest > MOST_DEPTH, f"a depth of {deepest:g} m, beyond {MOST_DEPTH:g} m"),
-        (most > MOST_CONE, f"a cone resistance of {1e-6 * most:.4g} MPa, beyond {1e-6 * MOST_CONE:g} MPa"),
         (most < LEAST_CONE, f"no cone resistance above {1e-3 * most:.3g} kPa"),
         (friction > MOST_FRICTION, f"a sleeve friction of {100.0 * friction:.3g} % of the cone resistance"),
+        (friction < LEAST_FRICTION, f"a sleeve friction of only {100.0 * friction:.3g} % of the cone resistance"),
+        (share > MOST_PRESSURE, f"a pore pressure u2 of {share:.3g} times the cone resistance"),
     ):
         if wrong:
             raise UserInputError([Problem(place, message=f"has {what}: is the unit right?")])
+
+
+def _median(values: Array, default: float) -> float:
+    """Return the median of what is known."""
+    known = np.isfinite(values)
+    return float(np.median(values[known])) if known.any() else default
 
 
 def unit_weight(cone: Array, sleeve: Array) -> Array:

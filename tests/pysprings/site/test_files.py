@@ -113,6 +113,9 @@ DUTCH = "Diepte[m];Conuswaarden[MN/m²];Plaatselijke wrijving [kPa];Phi'[°];\n"
 PERCENT = "depth_m,cone resistance (kPa),Rf (%)\n" + "".join(
     f"{z},{1e3 * q},{100 * f / q}\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True)
 )
+BEDS = "Depth from [m],Depth to [m],Soil type,Dr [-],su from [kPa],su to [kPa]\n"
+SOFT = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + "".join(f"{z},0.1,0.002,0.25\n" for z in DEPTH)
+ELEVATIONS = "z [m],qc [MPa],fs [MPa]\n" + "".join(f"{-25 - z},{q},0.01\n" for z, q in zip(DEPTH, CONE, strict=True))
 
 
 def read(tmp_path: Path, name: str, text: str):
@@ -136,6 +139,61 @@ def test_a_cone_penetration_test_has_the_same_numbers_from_every_format(tmp_path
     assert test.pressure == pytest.approx(np.multiply(PRESSURE, 1e6) if pressure else np.full(4, np.nan), nan_ok=True)
     if name in ("a.gef", "a.ags", "a.xml"):
         assert (test.name, test.area_ratio) == ("A-1", 0.75)
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")
+@pytest.mark.parametrize("code", ["-9999", "-999.25", "999", "1e30", "-1e30", "9999"])
+@pytest.mark.parametrize("column", ["qc", "fs", "u2", "z"])
+def test_codes_for_no_value_are_no_measurements(tmp_path, column, code) -> None:
+    """Once in megapascals, once in kilopascals, in which 999 is a pressure that a test may have."""
+    for unit, factor in (("MPa", 1.0), ("kPa", 1e3)):
+        rows = []
+        for z, q, f, u in zip(DEPTH * 2, CONE * 2, SLEEVE * 2, PRESSURE * 2, strict=True):
+            z += 2.0 * (len(rows) > 3)
+            row = {"z": f"{z}", "qc": f"{factor * q}", "fs": f"{factor * f}", "u2": f"{factor * u}"}
+            if len(rows) in (2, 5):
+                if column == "qc" and unit == "kPa" and code in ("999", "9999"):
+                    row["fs"] = "9"  # such cone resistances may be true: they stay
+                else:
+                    row[column] = code
+            rows.append(row)
+        text = f"z [m],qc [{unit}],fs [{unit}],u2 [{unit}]\n" + "\n".join(",".join(row.values()) for row in rows)
+        (test,) = read(tmp_path, f"{unit}.csv", text).soundings
+        assert test.depth.max() <= 4.0 and test.cone.max() == 16e6 and np.nanmax(test.sleeve) == pytest.approx(0.11e6)
+        assert np.nanmax(test.pressure) == pytest.approx(0.02e6) and np.nanmin(test.pressure) > 0.0
+        assert len(test.depth) == (6 if column in ("qc", "z") and len(test.depth) < 8 else 8)
+        if len(test.depth) == 6 or column in ("fs", "u2"):
+            assert any("taken as missing" in each or "left out" in each for each in test.notes), test.notes
+
+
+def test_what_is_left_out_of_a_test_is_stated(tmp_path) -> None:
+    text = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n-0.5,0.1,0.01,0\n1.5,2,0,\n1,1,0.01,0.1\n2,3,0.03,0.2\n3,,0.03,0.2\n"
+    (test,) = read(tmp_path, "a.csv", text).soundings
+    assert test.depth.tolist() == [1.0, 1.5, 2.0] and test.pressure == pytest.approx([1e5, 1.5e5, 2e5])
+    assert np.isnan(test.sleeve).tolist() == [False, True, False]
+    for note in ("1 rows above mudline are left out", "1 rows without positive sleeve friction have no I_c",
+                 "rows are not in the order of their depth: sorted", "1 rows without u2: between its neighbours",
+                 "1 of 5 rows without depth or positive cone resistance are left out"):  # fmt: skip
+        assert any(note in each for each in test.notes), (note, test.notes)
+
+
+def test_an_area_ratio_in_percent_is_no_area_ratio(tmp_path) -> None:
+    for name, text in (("a.gef", GEF.replace("3, 0.75", "3, 75")), ("a.ags", AGS.replace('"1","0.75"', '"1","75"'))):
+        (test,) = read(tmp_path, name, text).soundings
+        assert test.area_ratio is None and test.total_cone == pytest.approx(test.cone + 0.2 * test.pressure)
+        assert any("the area ratio 75 of the file is no share of 0.1 to 1" in each for each in test.notes)
+
+
+def test_pore_pressures_that_are_nothing_are_remarked_on(tmp_path) -> None:
+    rows = "".join(f"{z},{q},{f},0.0001\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True))
+    (test,) = read(tmp_path, "a.csv", "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + rows).soundings
+    assert any("u2 is below 2% of the hydrostatic pressure everywhere" in each for each in test.notes)
+
+
+def test_points_above_mudline_are_noted(tmp_path) -> None:
+    with pytest.warns(UserWarning, match="1 rows without a depth of 0 or more are not used"):
+        points = read(tmp_path, "a.csv", "Depth [m],su [kPa]\n-1,10\n1,20\n").points
+    assert points.depth.tolist() == [1.0]
 
 
 def test_rows_above_the_predrilled_depth_do_not_count(tmp_path) -> None:
@@ -209,17 +267,34 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("a.asc", "Program UNIPLOT", "is of no kind that is read: a CPT is read from GEF, AGS 4, XML of the BRO"),
         ("a.csv", "depth [m],qc [kN]\n1,2\n", 'a.csv:1: "qc [kN]": wrong unit "kN": expected a pressure or'),
         ("a.csv", "depth [m],qc [MPa]\n1,x\n2,3\n", 'a.csv:2: qc [MPa]: "x" is not a number'),
-        ("a.csv", "depth [m],qc [MPa]\n1,2\n2,3\n", "holds 2 rows with depth and cone resistance: a CPT needs three"),
+        ("a.csv", "depth [m],qc [MPa]\n1,2\n2,3\n", "2 rows with depth and cone resistance: a CPT needs three"),
         ("a.csv", CSV.replace("qc [MPa]", "qc [GPa]"), "has a cone resistance of 1.6e+04 MPa, beyond 200 MPa: is the"),
-        ("a.csv", CSV.replace("fs [MPa]", "fs [GPa]"), "has a sleeve friction of 554 % of the cone resistance: is the"),
+        ("a.csv", CSV.replace("fs [MPa]", "fs [GPa]"), "has a sleeve friction of 110 MPa, beyond 5 MPa: is the unit"),
         ("a.csv", CSV.replace("qc [MPa]", "qc [Pa]"), "has no cone resistance above 0.016 kPa: is the unit right?"),
         ("a.csv", "depth [m],qc [MPa]\n", "a.csv:1: has no rows below its headings"),
         ("a.csv", "depth [m],su [kPa]\n-3,20\n", "a.csv:1: no row has a depth below mudline, 0 or more"),
         ("a.xml", bro().replace("UTF-8", "UTF-99"), "a.xml:1: is no XML that can be read (unknown encoding: UTF-99)"),
         ("a.csv", "name,H [kN]\na,1\n", "no headings of a CPT (depth [m], qc [MPa]), points"),
         ("a.csv", "depth [m],N [-]\n1,2\n", "a.csv:1: no column of values: su [kPa], Total unit weight"),
-        ("a.csv", "Depth from [m],Depth to [m],su [kPa]\n3,1,20\n", "a.csv:2: Depth to [m]: is blank, or not below"),
+        ("a.csv", "Depth from [m],Depth to [m],su [kPa]\n0,0,20\n", "a.csv:2: Depth to [m]: is blank, or not below"),
         ("none.gef", None, "none.gef: no such file"),
+        ("a.csv", CSV.replace("fs [MPa]", "fs [kPa]"), "has a sleeve friction of only 0.000554 % of the cone resist"),
+        ("a.csv", CSV.replace("u2 [MPa]", "u2 [GPa]"), "has a pore pressure u2 of 20 MPa, beyond 10 MPa: is the unit"),
+        ("a.csv", SOFT, "has a pore pressure u2 of 2.5 times the cone resistance: is the unit right?"),
+        ("a.csv", PERCENT.replace("Rf (%)", "Rf"), "a.csv:1: Rf: has no unit: write 'Rf [%]', or 'Rf [-]' for a share"),
+        ("a.csv", CSV + CSV.split("\n", 1)[1], "a.csv: A-1: the depth falls from 2 to 0.5 m from one row to the nex"),
+        ("a.csv", CSV + "1,2,0.02,0.01,B,x\n3,4,0.04,0.02,,x\n", "a.csv:7: Location: is blank: name the test of each"),
+        ("a.csv", ELEVATIONS, "a.csv: depths are negative and begin at -25.5 m: elevations of another level?"),
+        ("a.csv", "depth [m],su [kPa]\n1,20\n2,-9999\n", "a.csv:3: su [kPa]: undrained_shear_strength -9999 kPa is"),
+        ("a.csv", "depth [m],su [kPa]\n1,20\n2,9999\n", "a.csv:3: su [kPa]: undrained_shear_strength 9999 kPa look"),
+        ("a.csv", "depth [m],Dr\n1,60\n", "a.csv:2: Dr: relative_density 60 is not in [0.01, 1.2]"),
+        ("a.csv", BEDS + "0,5,SAND,60,,\n", "a.csv:2: Dr [-]: relative_density 60 is not in [0.01, 1.2]"),
+        ("a.csv", BEDS + "0,5,CLAY,,20,\n", "a.csv:2: su to [kPa]: blank beside the value at the other end of the"),
+        ("a.csv", BEDS + "0,5,CLAY,,,20\n", "a.csv:2: su from [kPa]: blank beside the value at the other end of the"),
+        ("a.csv", BEDS + "0,5,CLAY,,9,9\n6,9,CLAY,,9,9\n", "a.csv:2: Depth to [m]: the layers leave a gap"),
+        ("a.csv", BEDS + "0,5,CLAY,,9,9\n4,9,CLAY,,9,9\n", "a.csv:2: Depth to [m]: the layers overlap"),
+        ("a.csv", BEDS + "2,5,CLAY,,9,9\n", "a.csv:2: Depth from [m]: the first layer begins at 2 m: it begins"),
+        ("a.ags", LAB.replace('"1.9"', '"1900"'), "a.ags:11: LDEN_BDEN: effective_unit_weight 18629.2 kN/m^3 is"),
     ],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")

@@ -8,13 +8,16 @@ import time
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 
+from pysprings.core.tables import TableNote
 from pysprings.scene.load import parse_scene
 from pysprings.scene.profile_table import read_layers
 from tests.support.commands import command
 
 GAMMA = 9.81e3
+pytestmark = pytest.mark.filterwarnings("ignore:.*outside the range of their correlations")
 
 
 def sand_over_clay(rows: int = 1000, seed: int = 3) -> str:
@@ -323,6 +326,35 @@ def test_marks_of_rows_outside_the_range_of_a_correlation(cpt) -> None:
     done = command("ground", cpt)
     assert "layer 1: D_r outside the range of Jamiolkowski et al. 2003 (s'_v0 50 to 400 kPa" in done.out
     assert "peak angles" in done.out
+
+
+def test_marks_of_the_table_are_read_with_it(cpt, tmp_path) -> None:
+    for name in ("site.csv", "site.xlsx"):
+        assert command("ground", cpt, "--out", tmp_path / name, "--no-figures").code == 0
+        with pytest.warns(TableNote, match=r"outside the range of their correlations.*: layer 1: D_r"):
+            read_layers(tmp_path / name)
+
+
+def test_a_line_through_0_has_the_range_of_its_other_points(tmp_path) -> None:
+    (tmp_path / "lab.csv").write_text("Depth [m],su [kPa]\n0,0\n2,4\n3,6\n4,8\n5,10\n")
+    su = proposal(tmp_path / "lab.csv")["layers"][0]["values"]["undrained_shear_strength"]
+    assert [su[each] for each in ("low", "best", "high")] == [pytest.approx([0.0, 10e3])] * 3
+
+
+def test_a_measured_value_beyond_its_common_range_is_remarked_on(tmp_path) -> None:
+    text = "Depth from [m],Depth to [m],Soil type,su [MPa],Total unit weight [kN/m3]\n0,5,CLAY,20,17\n"
+    (tmp_path / "a.csv").write_text(text)
+    assert "undrained_shear_strength: 2e+04 kPa is outside the common range 0.5 to 300 kPa: 1000 times too large?" in (
+        command("ground", tmp_path / "a.csv").out
+    )
+
+
+def test_a_name_is_no_formula_in_a_spreadsheet(tmp_path) -> None:
+    text = "Depth from [m],Depth to [m],Soil type,Dr [%],Total unit weight [kN/m3]\n0,5,=SUM(A1) sand,60,19\n"
+    (tmp_path / "a.csv").write_text(text)
+    assert command("ground", tmp_path / "a.csv", "--out", tmp_path / "b.xlsx", "--no-figures").code == 0
+    book = openpyxl.load_workbook(tmp_path / "b.xlsx")
+    assert [cell.value for cell in book["site"]["C"]][:2] == ["Soil type", "SUM(A1) sand"]
 
 
 def test_two_thousand_rows_take_about_a_second(tmp_path) -> None:
