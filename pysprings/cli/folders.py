@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.words import ESTIMATES
-from pysprings.core.written import exclusive, is_unfinished, new_folder
+from pysprings.core.written import exclusive, is_unfinished, new_folder, scene_of_holder
 
 if TYPE_CHECKING:
     from pysprings.full_model.run_record import RunRecord
@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None]:
+def result_folder(out: Path, scene: Scene, force: bool, resume: bool = False) -> Iterator[bool]:
     """Create a result folder and hold its lock; refuse a folder whose contents conflict with `force` and `resume`.
 
-    A new folder is removed again if it stays empty.
+    A new folder is removed again if it stays empty. The block has whether there is something to resume: not where a
+    run of the same scene was killed before its first checkpoint.
     """
-    from pysprings.results.layout import refuse_linked_folders
+    from pysprings.results.layout import refuse_linked_folders, results_in
 
     if force and resume:
         refuse("--resume", "goes on with a run, --force begins anew: give one of them")
@@ -36,11 +37,13 @@ def result_folder(out: Path, force: bool, resume: bool = False) -> Iterator[None
             refuse("--out", f"cannot be created ({error.strerror})", out)
         if not os.access(out, os.W_OK | os.X_OK):
             refuse("--out", "is not writable", out)
-        stack.enter_context(exclusive(out))
+        killed = resume and scene_of_holder(out) == scene.sha256
+        stack.enter_context(exclusive(out, scene.sha256))
         refuse_linked_folders(out)
+        resume = resume and not (killed and not results_in(out) and not is_unfinished(out))
         if not force:
             _refuse_contents(out, resume)
-        yield
+        yield resume
 
 
 def refuse_no_folder(out: Path) -> None:

@@ -154,10 +154,13 @@ def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped
         refuse_without_ranges(scene)
     loaded = load(scene, options.discretisation, [*options.changes, *own])
     loaded = loaded if options.target is None else target_start(loaded, options.target, options.mesh)
-    with result_folder(folder, force, options.resume):
-        if options.resume and not is_unfinished(folder):
-            return _ended_run(folder, on_mesh(loaded, options.mesh), options.target)
-        return run_one(loaded, folder, options)
+    ran = on_mesh(loaded, options.mesh)
+    with result_folder(folder, ran, force, options.resume) as resume:
+        if resume and not is_unfinished(folder):
+            return _ended_run(folder, ran, options.target)
+        if options.resume and not resume and not options.quiet:
+            to_stderr("note: the run here was killed before its first checkpoint: it begins from the start")
+        return run_one(loaded, folder, replace(options, resume=resume))
 
 
 def run_estimates(scene: Path, folder: Path, options: RunOptions, force: bool, as_json: bool) -> None:

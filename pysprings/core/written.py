@@ -129,8 +129,8 @@ def new_folder(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def exclusive(folder: Path) -> Iterator[None]:
-    """Hold the lock of an existing folder; the thread that holds it may take it again.
+def exclusive(folder: Path, scene: str = "") -> Iterator[None]:
+    """Hold the lock of an existing folder, for a run of a scene (its SHA-256); the thread that holds it may do so again.
 
     Raises ResourceError: another run holds it, or the folder cannot be written to.
     """
@@ -147,7 +147,8 @@ def exclusive(folder: Path) -> Iterator[None]:
         raise ResourceError(f"{folder}: {_holder(folder)}; wait for its end, or choose another folder") from None
     _held.add(mine)
     try:
-        holder = {"pid": os.getpid(), "host": platform.node(), "since": datetime.now(UTC).isoformat(timespec="seconds")}
+        holder = {"pid": os.getpid(), "host": platform.node(), "since": datetime.now(UTC).isoformat(timespec="seconds"),
+                  "scene": scene}  # fmt: skip
         (folder / HOLDER).unlink(missing_ok=True)  # a link of this name leads elsewhere
         (folder / HOLDER).write_text(json.dumps(holder), encoding="utf-8", newline="\n")
         yield
@@ -161,6 +162,14 @@ def exclusive(folder: Path) -> Iterator[None]:
         if os.name == "nt":  # where an open file cannot be removed
             with suppress(OSError):
                 (folder / LOCK).unlink(missing_ok=True)
+
+
+def scene_of_holder(folder: Path) -> str:
+    """Return the SHA-256 of the scene whose run holds a folder, or was killed while it did; blank for none."""
+    try:
+        return str(json.loads((folder / HOLDER).read_text(encoding="utf-8"))["scene"])
+    except (OSError, ValueError, LookupError, TypeError):
+        return ""
 
 
 def _holder(folder: Path) -> str:

@@ -134,7 +134,7 @@ def run_into(folder: FilePath | None, scene: Scene, options: RunOptions, sink: S
     with ExitStack() as held:
         if folder is not None:
             held.enter_context(new_folder(folder))
-            held.enter_context(exclusive(folder))
+            held.enter_context(exclusive(folder, ran.sha256))
             refuse_links(folder)
             options = replace(options, checkpoints=Checkpoints(folder))
         if (jobs := jobs_for(ran, options.jobs)) > 1:

@@ -445,6 +445,32 @@ def test_nothing_to_resume(tmp_path: Path, scene_file: Path) -> None:
     assert done.code == 2 and "its checkpoints are gone" in done.err
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals are different there")
+def test_a_run_killed_before_its_first_checkpoint_begins_from_the_start(tmp_path: Path, scene_file: Path) -> None:
+    """Where the folder has results, or another scene's run was killed, it does not."""
+    out, other = tmp_path / "out", tiny.write(drained().replace(soil={"K0": 0.9}), tmp_path / "other.toml")
+    killed = (
+        "from pysprings.full_model.checkpoint import Checkpoints as c; from pysprings.cli.app import main; import os; "
+        "c.begin = lambda *_, **more: os.kill(os.getpid(), 9); main()"
+    )
+    first = [sys.executable, "-c", killed, "run", str(scene_file), "--out", str(out)]
+    assert subprocess.run(first, env=environment(), capture_output=True, check=False).returncode == -9
+    (out / "mine.txt").write_text("mine")
+    left = shutil.copytree(out, tmp_path / "left")
+    refused = command("run", other, "--out", left, "--resume")
+    assert (refused.code, "nothing to resume" in refused.err, list(contents(left))) == (2, True, ["mine.txt"])
+    done = command("run", scene_file, "--out", out, "--resume")
+    assert done.code == 0, done.err
+    assert "note: the run here was killed before its first checkpoint: it begins from the start\n" in done.err
+    before = contents(out)
+    assert set(before) == {*run_files(), "mine.txt"}
+    assert json.loads((out / "run.json").read_text())["resumed"] == []
+    assert subprocess.run([*first, "--force"], env=environment(), capture_output=True, check=False).returncode == -9
+    ended = command("run", scene_file, "--out", out, "--resume")
+    assert "has ended (complete): nothing is left to do" in ended.err
+    assert contents(out) == before
+
+
 def test_a_run_that_did_not_converge_cannot_end_otherwise(tmp_path: Path) -> None:
     file, out = tiny.write(tiny.stuck_scene(), tmp_path / "stuck.toml"), tmp_path / "out"
     assert command("run", file, "--out", out).code == 3
