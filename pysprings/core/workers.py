@@ -13,6 +13,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import pickle
+import shutil
 import signal
 import threading
 import time
@@ -21,6 +22,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from multiprocessing.util import get_temp_dir
 from typing import Any, Literal
 
 from pysprings.core.errors import ResourceError, reason_of
@@ -229,7 +231,8 @@ class _Worker:
     def __init__(self, context: Any) -> None:
         self.pipe, theirs = context.Pipe()
         self.task: Task | None = None
-        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        folder = get_temp_dir() if os.name == "posix" else None  # of the fork server's socket
+        self.process = context.Process(target=_serve, args=(theirs, folder), daemon=True)
         self.process.start()
         theirs.close()
 
@@ -261,14 +264,14 @@ class _Worker:
 _REPORT, _DONE, _STOPPED = "report", "done", "stopped"
 
 
-def _serve(pipe: Connection) -> None:
+def _serve(pipe: Connection, folder: str | None) -> None:
     """Do what comes through the pipe until it is closed; interrupts are the parent's affair, which asks by SIGTERM."""
     turn = _Turn()
     for name in ("SIGINT", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     signal.signal(signal.SIGTERM, turn.stop)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with_parent, args=(folder,), daemon=True).start()
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         while True:
             call, arguments = pipe.recv()
@@ -325,11 +328,16 @@ def _reports(pipe: Connection) -> Progress:
     return report
 
 
-def _end_with_parent() -> None:
-    """End this process at once when the program has ended: what it writes later would be in the way of another run."""
+def _end_with_parent(folder: str | None) -> None:
+    """End this process at once when the program has ended: what it writes later would be in the way of another run.
+
+    The program's temporary folder, which one that was killed leaves, goes.
+    """
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait([parent.sentinel])
+        if folder is not None:
+            shutil.rmtree(folder, ignore_errors=True)
         os._exit(1)
 
 

@@ -175,20 +175,22 @@ if __name__ == "__main__":
 
 @pytest.mark.slow
 def test_workers_end_with_the_program(tmp_path: Path) -> None:
-    """Killed, it cannot ask them to."""
+    """Killed, it cannot ask them to; nothing stays in the folder of temporary files."""
     script = tmp_path / "killed.py"
     script.write_text(KILLED)
     path = os.pathsep.join([str(Path(__file__).parents[3]), *sys.path])
+    (temporary := tmp_path / "t").mkdir()
     with subprocess.Popen(
-        [sys.executable, script], stdout=subprocess.PIPE, env=environment() | {"PYTHONPATH": path}
+        [sys.executable, script], stdout=subprocess.PIPE, env=environment() | {"PYTHONPATH": path, "TMPDIR": str(temporary)}
     ) as program:
         assert program.stdout is not None
         assert program.stdout.readline() == b"on its way\n"
         children = psutil.Process(program.pid).children(recursive=True)
+        assert os.name == "nt" or list(temporary.glob("pymp-*"))
         program.kill()
     assert len(children) >= 3  # the server, and workers
     _, alive = psutil.wait_procs(children, timeout=10)
-    assert alive == []
+    assert alive == [] and not list(temporary.glob("pymp-*"))
 
 
 def test_cores() -> None:
