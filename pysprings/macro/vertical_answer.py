@@ -163,11 +163,11 @@ def beyond_springs(model: Carrier, V: Array, used: Array) -> list[str]:
         over = np.isnan(used) | ((used > 1.0 + SLACK) & np.isfinite(used))
         beyond = over & (branch.sign * (V - model.vertical.rest[1]) > 0.0)
         if beyond.any():
-            reach = np.nan_to_num(used[beyond], nan=np.inf).max()
+            reach = f"they reach {used[beyond].max():.3g} times the calibrated displacement (limit 1)"
             worst = V[beyond][np.argmax(branch.sign * V[beyond])]
             sentences.append(
                 f"V = {with_prefix(worst, 'N', 6)} is beyond the vertical springs (path {branch.path}): "
-                f"they reach {reach:.3g} times the calibrated displacement (limit 1); they carry "
+                f"{'no w carries it' if np.isnan(used[beyond]).any() else reach}; they carry "
                 f"{model.vertical.limits()}; {model.ends[branch.path]}"
             )
     return sentences

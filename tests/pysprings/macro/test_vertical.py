@@ -124,6 +124,8 @@ def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
     with warnings.catch_warnings(), pytest.raises(PredictionNotConverged, match=match):
         warnings.simplefilter("ignore", MacroWarning)
         predict(flat, V=-2e6, extrapolate=True)
+    with pytest.raises(BeyondSprings, match=r"beyond the vertical springs \(path up\): no w carries it; they carry V"):
+        predict(flat, V=-2e6)
 
 
 def test_vertical_paths_take_no_part_in_the_lateral_springs():
