@@ -28,6 +28,13 @@ def test_packages_are_found_by_their_folders(tmp_path: Path) -> None:
     assert "  mkl 2026.2.0: Intel Simplified Software License" in text(found).splitlines()
 
 
+def test_both_name_every_open_solver_that_takes_their_place() -> None:
+    here = text([Installed("mkl", "1", PROPRIETARY["mkl"])])
+    notes = re.search(r"taken out again.*?\n\n", NOTES, re.DOTALL)
+    for name in ("rslab", "superlu"):
+        assert notes and name in here.lower() and name in notes[0].lower()
+
+
 def test_without_them_nothing_is_proprietary(tmp_path: Path) -> None:
     assert text(installed([str(tmp_path)])).endswith("no proprietary package is installed")
 
