@@ -54,7 +54,9 @@ def text(packages: Iterable[Installed]) -> str:
         return f"{OWN}; no proprietary package is installed"
     lines = [OWN]
     if closed:
-        lines.append("proprietary, installed by the extra mkl (1 GB; without them bricks are solved, more slowly, by rslab of")
+        lines.append(
+            "proprietary, installed by the extra mkl (1 GB; without them bricks are solved, more slowly, by rslab of"
+        )
         lines.append("the open extra rslab, or by SuperLU):")
         lines += [_line(each) for each in closed]
     lines += [_line(each) for each in packages if each.name in TESTS_ONLY]

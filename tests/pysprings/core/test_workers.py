@@ -181,7 +181,9 @@ def test_workers_end_with_the_program(tmp_path: Path) -> None:
     path = os.pathsep.join([str(Path(__file__).parents[3]), *sys.path])
     (temporary := tmp_path / "t").mkdir()
     with subprocess.Popen(
-        [sys.executable, script], stdout=subprocess.PIPE, env=environment() | {"PYTHONPATH": path, "TMPDIR": str(temporary)}
+        [sys.executable, script],
+        stdout=subprocess.PIPE,
+        env=environment() | {"PYTHONPATH": path, "TMPDIR": str(temporary)},
     ) as program:
         assert program.stdout is not None
         assert program.stdout.readline() == b"on its way\n"
