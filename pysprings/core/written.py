@@ -130,7 +130,7 @@ def new_folder(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def exclusive(folder: Path, scene: str = "") -> Iterator[None]:
-    """Hold the lock of an existing folder, for a run of a scene (its SHA-256); the thread that holds it may do so again.
+    """Hold the lock of an existing folder, for a scene (its SHA-256); the thread that holds it may take it again.
 
     Raises ResourceError: another run holds it, or the folder cannot be written to.
     """
