@@ -15,6 +15,7 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
+from pysprings.macro.vertical import build_vertical
 from pysprings.memory.calibration import ElementSet, SpaceElements, calibrate
 from pysprings.memory.mixture import ChangingLoad, fitted, mixed, shares_at
 from pysprings.memory.model import MemorySprings
@@ -72,7 +73,7 @@ def build_memory(springs: Springs) -> MemorySprings:
         () if has_elements(springs) else (CALIBRATED,),
         elements=mixed([(found[load], share) for load, at in known.items() for each, share in parts if each is at]),
         V=V, rate=rate if springs.rate_sets else None, sets=sets,
-        changing=_changing(springs, found) if _follows(springs) else None,
+        changing=_changing(springs, found) if _follows(springs) else None, vertical=build_vertical(springs),
     )  # fmt: skip
 
 

@@ -52,6 +52,7 @@ class MemorySprings(FanSprings):
     rate : their rate [m/s, of rho], or between two; None where springs do not depend on one.
     sets : number of sets that the elements are from: more than one between two vertical loads or rates.
     changing : elements under a V that changes; None where the springs have no rays on which V changes.
+    vertical : vertical springs beside them; None where there are none.
     """
 
     elements: ElementSet = field(kw_only=True)
@@ -59,6 +60,7 @@ class MemorySprings(FanSprings):
     rate: float | None = field(default=None, kw_only=True)
     sets: int = field(default=1, kw_only=True)
     changing: ChangingLoad | None = field(default=None, kw_only=True)
+    vertical: VerticalTable | None = field(default=None, kw_only=True)
     curves: ClassVar[str] = "elastoplastic elements in parallel, which remember reversals"
     sequence_remarks: ClassVar[tuple[str, ...]] = ()
 

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.core.loads import close_loads, loads_in_words
+from pysprings.core.loads import loads_in_words
 from pysprings.macro.fan import WIDEST, FanTable
+from pysprings.macro.vertical import covered
 from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance, relax
 from pysprings.memory.mixture import ChangingLoad, Step
@@ -31,7 +32,7 @@ class StepMarks:
     range_used : size of the motion over that of the rays beside it.
     extrapolated : True beyond the rays.
     off_path : True between rays too far apart.
-    off_load : True where V is not that of the elements. off_rate : True where the motion is faster or slower than
+    off_load : True where V is not that of the elements, or near its capacity. off_rate : True where the motion is faster or slower than
         their rate by half a decade. None where V, or the time of the step, is not given, or the springs have no rate.
     way_used : motions added up over the longest way of the calibration; heave is extrapolated beyond 1.
     """
@@ -156,8 +157,11 @@ class MemoryStepper:
         )
 
     def _off_load(self, V: float | None) -> bool | None:
-        changing = self.model.changing
-        return off_load(self.model.V, V) if V is None or changing is None else not changing.covers(np.array([V]))[0]
+        changing, own = self.model.changing, np.array([self.model.V])
+        if V is None or (changing is None and not np.isfinite(own[0])):
+            return None
+        there = np.array([V])
+        return not (covered(self.model.vertical, there, own) if changing is None else changing.covers(there))[0]
 
     @property
     def reactions(self) -> Array:
@@ -239,8 +243,3 @@ def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, b
     states = np.array([state], dtype=float)
     used, sector, _ = table.support(states, table.rows(states)[1])
     return float(used[0]), bool(sector[0] > WIDEST + RANGE_SLACK and states.any())
-
-
-def off_load(own: float, V: float | None) -> bool | None:
-    """Return whether V [N] is another than that of the elements; None where one of them is not known."""
-    return None if V is None or not np.isfinite(own) else not bool(close_loads(own, V))

@@ -68,6 +68,16 @@ def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
     return variables.attach(out, "springs_path")
 
 
+def weaken(tree: xr.DataTree, name: str, share: float) -> xr.DataTree:
+    """Have a vertical path carry a share of its change of V, at the same displacements; return the springs."""
+    path = tree[f"paths/{name}"].to_dataset(inherit=False)
+    for each in ("t", "V", "V_tip", "V_lid"):
+        start = path[each].isel(step=0)
+        path[each] = (start + share * (path[each] - start)).transpose(*path[each].dims)
+    tree[f"paths/{name}"].dataset = path
+    return tree
+
+
 def fan_with_vertical(law: Callable[..., Any] = fans.potential) -> xr.DataTree:
     """Return the eight rays of a coupled law in closed form, with vertical paths down and up."""
     tree = fans.fan_springs(law)

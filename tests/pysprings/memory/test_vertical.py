@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """w of springs with memory under a vertical load that changes: what the elements and the vertical springs each do."""
 
+import warnings
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,9 +11,11 @@ from pysprings.core.errors import BeyondSprings
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import MacroWarning, sequence
 from pysprings.macro.vertical import build_vertical
+from pysprings.memory.build import build_memory
+from pysprings.memory.stepper import MemoryStepper
 from pysprings.springs.springs import Springs
 from tests.support import winkler
-from tests.support.vertical import REST, K, vertical_path, vertical_springs
+from tests.support.vertical import REST, K, vertical_path, vertical_springs, weaken
 
 LOADS = np.array([[3e5, 0.0], [-1e5, 0.0], [3e5, 0.0], [0.0, 0.0]])
 
@@ -95,6 +99,21 @@ def test_after_a_vertical_load_that_nothing_carries_there_is_no_answer() -> None
     assert table is not None
     _, _, used, own = table.history(REST + np.array([-1e6, -2.99e6, 0.0]))
     assert np.isfinite(used[0]) and np.isnan(used[1:]).all() and np.isnan(own).tolist() == [False, True, False]
+
+
+def test_steps_near_the_vertical_capacity_are_marked_as_in_a_sequence() -> None:
+    near = weaken(tree(), "up", 1.0 / 6.0)  # ends 0.5 MN above rest
+    for springs in (tree(), near):
+        stepper, model = MemoryStepper(build_memory(Springs.of(springs))), MacroModel.from_springs(springs, "memory")
+        marks = []
+        for V in REST * np.array([1.0, 1.09, 1.12, 0.96, 0.93, 0.89]):
+            stepper.advance(motion=(1e-3, 0.0), V=float(V))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", MacroWarning)
+                answer = sequence(model, np.array([[1e-3, 0.0]]), control="state", V=np.array([V]), extrapolate=True)
+            assert stepper.marks.off_load is bool(answer["off_load"].values[-1])
+            marks.append(int(stepper.marks.off_load))
+        assert marks == ([0, 0, 1, 0, 1, 1] if springs is near else [0, 0, 1, 0, 0, 1])
 
 
 def test_states_after_another_vertical_load_are_marked_too() -> None:

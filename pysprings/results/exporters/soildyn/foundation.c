@@ -26,6 +26,8 @@
 enum { INITIALISE = 1, FORCE = 2, STIFFNESS = 3 };
 /* Above 6, the largest code of SoilDyn's own texts: OpenFAST stops, and the text of this library stands before. */
 enum { NO_FILE = 101, BAD_FILE = 102, NO_STATE = 103, BEYOND = 104, BAD_TASK = 105, BAD_MOTION = 106 };
+enum { WARNED_RANGE = 1, WARNED_WAY = 2, WARNED_LOAD = 4 };  /* in S_WARNED */
+
 static void say(const char *kind, const char *name, int line, const char *text) {
   if (line) printf("\npysprings SoilDyn library: %s: %s, line %d: %s\n", kind, name, line, text);
   else printf("\npysprings SoilDyn library: %s: %s: %s\n", kind, name, text);
@@ -54,6 +56,13 @@ static int initialise(const char *props_file, double *P, double *state) {
   return BAD_FILE;
 }
 
+/* Whether a warning is due; each comes once. */
+static int is_new(double *state, int which) {
+  int told = (int)state[S_WARNED];
+  state[S_WARNED] = (double)(told | which);
+  return !(told & which);
+}
+
 /* Force, and stiffness for IDTask 3, with marks in the state; returns 0 or an error code. */
 static int evaluate(int task, const double *P, double *state, const double *d, double *force, double *D) {
   Answer answer;
@@ -69,21 +78,22 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
   memcpy(force, answer.force, sizeof answer.force);
   state[S_USED] = answer.used;
   state[S_USED_VERTICAL] = answer.used_vertical;
+  state[S_OFF_LOAD] = (double)answer.off_load;
   if (answer.beyond) {
     say("fatal", "springs", 0, answer.beyond);
     return BEYOND;
   }
-  if (state[S_WARNED] == 0.0 && (answer.used > 1.0 + SLACK || answer.used_vertical > 1.0 + SLACK)) {
-    state[S_WARNED] = 1.0;
+  if ((answer.used > 1.0 + SLACK || answer.used_vertical > 1.0 + SLACK) && is_new(state, WARNED_RANGE)) {
     sprintf(text, "beyond the calibrated range (%.3g laterally, %.3g vertically, limit 1): reactions are extrapolated",
             answer.used, answer.used_vertical);
     say("warning", "springs", 0, text);
   }
-  if (P[P_WAY] > 0.0 && state[S_WARNED_WAY] == 0.0 && state[S_WAY] > P[P_WAY] * (1.0 + SLACK)) {
-    state[S_WARNED_WAY] = 1.0;
+  if (P[P_WAY] > 0.0 && state[S_WAY] > P[P_WAY] * (1.0 + SLACK) && is_new(state, WARNED_WAY))
     say("warning", "springs", 0,
         "motions add up to more than the paths of the calibration: settlement is extrapolated from here on");
-  }
+  if (answer.off_load && is_new(state, WARNED_LOAD))
+    say("warning", "springs", 0,
+        "the vertical load is not that of the lateral springs, or near its capacity: H and M are those at theirs");
   return 0;
 }
 

@@ -29,6 +29,9 @@
 #define STRAIGHT 1e-3    /* rad: nearer than this to a ray its own range counts */
 #define MEAN 8           /* directions of the mean secant stiffness, over half a turn */
 #define BISECTIONS 60
+#define SAME 1e-3        /* share by which vertical loads differ that are one, as pysprings.core.loads */
+#define CLOSE (0.1 * (1.0 + 1e-9)) /* and share up to which lateral springs of one hold for both */
+#define LOST 0.2         /* share of lateral loads at equal motion that a V near its capacity may lose */
 #define FLAT 1e-3        /* share of the initial stiffness below which the last step of a vertical curve carries no more */
 
 typedef struct { const double *knots[4]; int count[4], failed[4]; double sign[4], weight[4], mean[4], t, gap; } Sector;
@@ -184,6 +187,28 @@ static const double *branch(const double *P, double change) {
   return place ? P + place : NULL;
 }
 
+static int is_near(double a, double b, double share) {
+  double most = share * (fabs(a) > fabs(b) ? fabs(a) : fabs(b));
+  return fabs(a - b) <= (most > 1.0 ? most : 1.0);
+}
+
+/* Whether lateral springs at V own hold at V: close to it, and not near its capacity; as pysprings.macro.vertical.covered. */
+static int is_covered(const double *P, double V, double own) {
+  const double *b;
+  double end, sign, at;
+  int k;
+  if (is_near(own, P[P_REST_V], SAME)) own = P[P_REST_V];
+  b = branch(P, V - own);
+  if (!is_near(V, own, CLOSE)) return 0;
+  if (!b || is_near(V, own, SAME)) return 1;
+  sign = V >= own ? 1.0 : -1.0;
+  for (end = b[BRANCH_HEAD + 1], k = 1; k < (int)b[0]; k++) {
+    at = b[BRANCH_HEAD + BRANCH * k + 1];
+    if (sign * (at - end) > 0.0) end = at;
+  }
+  return !((V - end) / (own - end) < 1.0 - LOST);
+}
+
 /* V at a change of w from rest; beyond the end along the last step. */
 static double vertical_load(const double *P, double change, double *used, int *failed) {
   const double *b = branch(P, change), *last;
@@ -238,6 +263,7 @@ static double vertical(const double *P, double w, const Loads *lateral, Answer *
     V = vertical_load(P, change, &out->used_vertical, &failed);
     elastic = !branch(P, change);
   }
+  out->off_load = !is_covered(P, V, lateral->V);
   if (failed) out->beyond = "the vertical path of the full model stopped before this displacement";
   if (elastic && (V < P[P_LOW] - SLACK * fabs(P[P_LOW]) || V > P[P_HIGH] + SLACK * fabs(P[P_HIGH])))
     out->beyond = "without vertical springs in this direction the vertical load is not known here";
@@ -276,6 +302,7 @@ void pysprings_forces(const double *P, double *state, const double d[6], Answer 
   out->force[0] = Ha[0];
   out->force[1] = Ha[1];
   out->force[2] = P[P_OFFSET] - vertical(P, w, &lateral, out);
+  if (a[0] == 0.0 && a[1] == 0.0 && b[0] == 0.0 && b[1] == 0.0) out->off_load = 0;
   out->force[3] = -Mb[1];
   out->force[4] = Mb[0];
   out->force[5] = P[P_TORSION] * d[5] + P[P_RADIUS] * F[4];
