@@ -32,9 +32,9 @@ class StepMarks:
     range_used : size of the motion over that of the rays beside it.
     extrapolated : True beyond the rays.
     off_path : True between rays too far apart.
-    off_load : True where V is not that of the elements, or near its capacity. off_rate : True where the motion is faster
-        or slower than their rate by half a decade. None where V, or the time of the step, is not given, or the springs
-        have no rate.
+    off_load : True where V is not that of the elements, or near its capacity. off_rate : True where the motion is
+        faster or slower than their rate by half a decade. None where V, or the time of the step, is not given, or the
+        springs have no rate.
     way_used : motions added up over the longest way of the calibration; heave is extrapolated beyond 1.
     """
 
