@@ -79,6 +79,7 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
         )
     vertical = several_loads(frame)
     left_out = {*_OF_THE_REPORT, *(() if vertical else _VERTICAL)}
+    left_out -= {"w_error_max_m"} if "T_error_max_pct" in frame else set()
     rows = frame.to_dict("records")
     columns = [each for name, each in COLUMNS.items() if name not in left_out and (not brief or name in _BRIEF)]
     columns = filled(columns, rows)
@@ -159,7 +160,7 @@ _VERTICAL_NOTES = [
 SPACE_NOTE = (
     "paths out of one plane, answered by springs with memory in space: H, M/L as vectors at the motions of the full "
     "model, over the largest (H, M/L) of the path; T/R over the largest load; p as vectors by depth; u and rotation L "
-    "as vectors under its loads, over its largest motion"
+    "as vectors under its loads, over its largest motion; w: largest distance at its motions and under its loads"
 )
 
 

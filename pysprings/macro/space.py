@@ -59,6 +59,10 @@ class SpaceResponse(Protocol):
         """Return the states along targets as a dataset by step, marked."""
         ...
 
+    def heave(self, turns: Array) -> Array:
+        """Return w (n,) [m] under the V of the springs along motions from rest on."""
+        ...
+
     def reactions(self, turns: Array) -> Array:
         """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions from rest on."""
         ...
@@ -94,7 +98,8 @@ class SpaceAnswers:
             row = _row(given, response, path)
             sizes = {name: row[f"{name}_error_max_pct"] for name in ("T",) * part or ("H", "M", "u", "rotation")}
             words = ", ".join(f"{name} {size:.1f} %" for name, size in sizes.items() if np.isfinite(size))
-            texts.append(f"{path.name} {words}")
+            w = 1e3 * row["w_error_max_m"], 1e3 * np.abs(path["w"] - path["w"][0]).max()
+            texts.append(f"{path.name} {words}, w {abs(w[0]):.2g} of {w[1]:.2g} mm")
         errors = f"springs in space, errors on held-back paths: {'; '.join(texts)}" if texts else _NEVER
         return cls(response, given.length, (checked[0], checked[1]), errors)
 
@@ -192,7 +197,8 @@ def compare_in_space(springs: Springs | xr.DataTree) -> pd.DataFrame:
     At the motions of the full model: largest error of H and M/L, as vectors, over the largest (H, M/L) of the path [%],
     of T/R over the largest load, and of p by depth, as vectors, over the largest p (the last fifth of the skirt is one
     slice). Under its loads: largest error of (u_x, u_y) and of the rotation L over the
-    largest motion, NaN where the springs do not carry the loads. T is NaN without springs of torsion.
+    largest motion, NaN where the springs do not carry the loads. T is NaN without springs of torsion. Of w [m] the
+    largest distance at the motions and under the loads.
     """
     given = Springs.of(springs)
     if not _has_space(given):
@@ -227,7 +233,9 @@ def _row(springs: Springs, response: SpaceResponse, path: SpacePath) -> dict[str
     for name, first in (("u", 0), ("rotation", 1)):
         worst = float(np.hypot(wrong[:, first], wrong[:, first + 2]).max(initial=0.0))
         row[f"{name}_error_max_pct"] = np.nan if twists or stopped else 100.0 * worst / far
-    return row | {"states_at_load": len(moved)}
+    w = [response.heave(np.vstack([motions[:1], turns])) for turns in (motions[1:], moved)]
+    off = np.concatenate([each - each[0] - (path["w"][: len(each)] - path["w"][0]) for each in w])
+    return row | {"states_at_load": len(moved), "w_error_max_m": float(off[np.argmax(np.abs(off))])}
 
 
 def _p_error(path: SpacePath, found: Array) -> float:

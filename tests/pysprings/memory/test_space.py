@@ -131,6 +131,7 @@ def test_a_circle_calibrates_springs_that_meet_an_elbow_of_another_law() -> None
     text, elbow_ = to_text(frame), frame.set_index("path").loc["elbow"]
     assert SPACE_NOTE in text and f"{elbow_['p_error_max_pct']:.2f}" in text.split("held-back paths")[1]
     assert elbow_["H_error_max_pct"] == rows.loc["elbow", "H_error_max_pct"] and elbow_["states"] == 58
+    assert f"{1e3 * elbow_['w_error_max_m']:.2f}" in text.split("held-back paths")[1]
     assert "elbow" not in compare(calibrated(), "fan")["path"].values
 
 
@@ -348,6 +349,26 @@ def test_w_is_that_of_the_rays_in_any_direction() -> None:
     circle = springs.space["circle"]  # recorded with w at rest: rays alone lift it by 0.9 mm
     turns = np.stack([circle[name] for name in SPACE_TURNS], axis=1)
     assert abs(space.heave(turns)[-1] - float(space.origin["w"][0])) < 0.05 * 1.6e-3
+
+
+def test_the_error_of_w_on_held_back_paths_is_stated_with_every_answer() -> None:
+    """The larger one of that at the motions and that under the loads, of the largest w of the path."""
+    tree = calibrated().copy(deep=True)
+    model, path = SpaceSprings.of(tree), Springs.of(tree).space["elbow"]
+    rest, turns = np.zeros((1, 5)), path.turns()
+    moved = np.vstack([rest, model.solve("load", path.pushes()[1:])[0]])
+    held, loaded = (model.heave(each) - model.heave(rest) for each in (turns, moved))
+    for w in (1.1 * held, 0.9 * loaded):
+        tree["space/elbow"].dataset = tree["space/elbow"].to_dataset(inherit=False).assign(w=("step", w + 3e-4))
+        worst = max(np.abs(each - (w - w[0])).max() for each in (held, loaded))
+        (row,) = (each for each in compare_in_space(tree).to_dict("records") if each["path"] == "elbow")
+        assert abs(row["w_error_max_m"]) == pytest.approx(worst, rel=1e-6)
+        said = f"w {1e3 * worst:.2g} of {1e3 * np.abs(w - w[0]).max():.2g} mm"
+        for V in (None, 2.1e6):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                answer = sequence_in_space(tree, [[2e5, 0, 0, 0, 0]], V=V)
+            assert said in answer.attrs["remarks"][-1]
 
 
 def test_w_beyond_the_longest_way_is_marked() -> None:
