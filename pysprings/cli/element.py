@@ -34,6 +34,7 @@ _ROWS = (
     Column("pore pressure [kPa]", "pressure", factor=1e-3),
     Column("away from data [%]", "away", factor=100.0),
 )
+FAR = 0.2  # distance from data beyond which fitted values are none
 _KEYS = (
     Column("key", "key", words=True), Column("unit", "unit", words=True), Column("before", "before"),
     Column("fitted", "value"), Column("standard error", "error", 2), Column("", "note", words=True),
@@ -93,7 +94,14 @@ def element(
     outcome = run(Request(stratum, test, at, drainage == "undrained", asked, strain, tests, keys))
     files = write(outcome, folder, formats)
     if as_json:
-        print_json({"tests": outcome.rows, "fit": _fit_json(outcome.fit), "files": [str(file) for file in files]})
+        print_json(
+            {
+                "depth_m": at,
+                "tests": outcome.rows,
+                "fit": _fit_json(outcome.fit),
+                "files": [str(file) for file in files],
+            }
+        )
     else:
         _print(outcome)
         for file in files:
@@ -138,6 +146,7 @@ def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) ->
 def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, ...]:
     """Return the keys to be fitted."""
     from pysprings.core.text import suggestion
+    from pysprings.scene.soils import SOIL_LAWS
     from pysprings.studies.element import known_keys
 
     if text is None:
@@ -146,6 +155,8 @@ def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, .
         refuse("--fit", "needs --data")
     keys, known = [each.strip() for each in text.split(",")], known_keys(stratum)
     for key in keys:
+        if key in stratum.values and key in SOIL_LAWS[stratum.law].keys and key not in known:
+            refuse("--fit", f"{quoted(key)} is by depth in this layer: give it one number at the depth of the tests")
         if key not in known:
             what = f"{quoted(key)} is no number of the layer that its law uses{suggestion(key, known)}"
             refuse("--fit", f"{what}; those are {', '.join(known)}")
@@ -156,12 +167,15 @@ def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, .
 
 def _print(outcome: Outcome) -> None:
     print_table(Table.of(filled(_ROWS, outcome.rows), outcome.rows))
-    stratum = outcome.request.stratum
+    request, stratum = outcome.request, outcome.request.stratum
+    print(f"\nvalues of layer {quoted(stratum.name)} at {request.depth:g} m below mudline (--depth)")
     if not (stratum.exponent or stratum.total_stress):
         print("\nG is that of the layer at every stress: no key makes it follow the stress")
     fit = outcome.fit
     if fit is None:
         return
+    if fit.after > FAR:
+        print(f"\nthe law does not reach the data: more than {FAR:.0%} away with the best values of these keys")
     rows = [vars(each) | {"note": "at its bound" * each.at_bound} for each in fit.keys]
     print(f"\nfit: {100.0 * fit.before:.3g} % away from the data before, {100.0 * fit.after:.3g} % after")
     print_table(Table.of(_KEYS, rows))

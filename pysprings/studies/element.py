@@ -16,8 +16,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from pysprings.core.errors import refused as refused_argument
 from pysprings.core.storage import write_text
-from pysprings.core.tables import Column, one_table
+from pysprings.core.tables import Column, Table, one_table
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import read, si_of
 from pysprings.core.words import ElementTest
@@ -73,7 +74,7 @@ def read_tests(file: Path, kind: ElementTest, stress: float | None) -> list[LabT
 
     ``stress`` (Pa) is that of a table without a column of it. Compression is positive.
 
-    Raises UserInputError: one problem per thing that is wrong with the table.
+    Raises UserInputError: one problem per thing that is wrong with the table; units, signs and loops among them.
     """
     strain, measured = MEASURED[kind]
     table = one_table(file, COLUMNS, "a laboratory test")
@@ -99,8 +100,38 @@ def read_tests(file: Path, kind: ElementTest, stress: float | None) -> list[LabT
         if np.ptp(stresses[rows]) > 0.0:
             table.fault(int(np.argmax(rows)), "stress_Pa", f"test '{name}' has several consolidation stresses")
         tests.append(LabTest(name, float(stresses[rows][0]), {key: each[rows] for key, each in values.items()}))
+        _check(table, np.flatnonzero(rows), tests[-1], kind)
     table.faults.stop()
     return tests
+
+
+MOST_STRESS = 200.0  # of a measured stress over that of consolidation
+_FALL = 0.02  # of the largest strain: a reading that scatters
+
+
+def _check(table: Table, rows: NDArray[np.intp], test: LabTest, kind: ElementTest) -> None:
+    """Note strains, signs and stresses of a test that have another unit or sign, loops, and two tests in one."""
+    name, (first, *_) = MEASURED[kind]
+    strain, stress = np.abs(test.columns[name]), test.columns[first] * (-1.0 if kind == "triaxial-extension" else 1.0)
+    if not (np.isfinite([strain, stress]).all() and test.stress > 0.0):
+        return  # noted already
+    if strain.max() > 1.0:
+        text = f"a strain of {100.0 * strain.max():.4g} %, beyond 100 %: is the unit right, [%] or [-]?"
+        table.fault(int(rows[strain.argmax()]), name, text)
+    if stress.min() < -0.1 * max(float(stress.max()), 0.0):
+        sign = "negative in extension" if kind == "triaxial-extension" else "positive in compression"
+        text = (
+            f"{1e-3 * test.columns[first][stress.argmin()]:.4g} kPa: this stress is {sign}; leave what is missing blank"
+        )
+        table.fault(int(rows[stress.argmin()]), first, text)
+    elif kind != "oedometer" and not 1.0 / MOST_STRESS < (share := stress.max() / test.stress) < MOST_STRESS:
+        text = f"{1e-3 * stress.max():.4g} kPa is {share:.3g} times the consolidation stress: are the units right?"
+        table.fault(int(rows[stress.argmax()]), first, text)
+    back = np.maximum.accumulate(strain) - strain > _FALL * strain.max()
+    if back.any() and (np.diff(strain) > 0.0).any():
+        k = int(back.argmax())
+        text = f"the strain falls to {100.0 * strain[k]:.4g} %: two tests need a column 'test', and loops are left out"
+        table.fault(int(rows[k]), name, text)
 
 
 def residuals(test: LabTest, curve: Curve | None, kind: ElementTest, undrained: bool) -> list[Array]:
@@ -193,9 +224,16 @@ def fit(
 
     Positive keys move by their logarithm. Values that the checks of the law refuse, or that stop a test, count as
     100 % away from each measured value.
+
+    Raises UserInputError: no more measured values beyond the first strain than keys.
     """
     from scipy.optimize import least_squares
 
+    strain, measured = MEASURED[kind]
+    known = (np.isfinite(test.columns[name]) & (test.columns[strain] != 0.0)
+             for test in tests for name in measured if name in test.columns)  # fmt: skip
+    if (count := int(sum(each.sum() for each in known))) <= len(keys):
+        raise refused_argument("--fit", f"{len(keys)} keys need more measured values beyond a strain of 0 than {count}")
     values = SOIL_LAWS[stratum.law].derived(stratum) | stratum.values
     start = np.array([_number(values[key]) for key in keys], dtype=float)
     low, high = np.array([bounds_of(key, value) for key, value in zip(keys, start, strict=True)]).T

@@ -10,7 +10,7 @@ import pytest
 
 from pysprings.scene.load import load_scene
 from pysprings.studies.element import LabTest, Request, bounds_of, known_keys, residuals, run
-from tests.support.commands import command
+from tests.support.commands import Result, command
 
 SCENE = """
 [caisson]
@@ -36,6 +36,9 @@ effective_unit_weight = "8 kN/m^3"
 [interface]
 adhesion_factor = 0.65
 """
+
+HEAD = "stress [kPa],axial strain [%],q [kPa]\n"
+ROWS = "100,0,0\n100,0.5,120\n100,1,200\n100,2,290\n100,5,340\n"
 
 
 @pytest.fixture
@@ -128,6 +131,17 @@ def test_what_cannot_be_is_refused_in_one_line(scene: Path, options: tuple[str, 
         ("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,1,3\n", "fewer than 3 rows"),
         ("stress [kPa],axial strain [%],q [kPa]\n0,0,2\n0,1,3\n0,2,4\n", "must be positive"),
         ("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,,3\n100,2,4\n", "needs a number"),
+        (
+            HEAD.replace(" [%]", "") + ROWS,
+            "lab.csv:6: axial strain: a strain of 500 %, beyond 100 %: is the unit right",
+        ),
+        (HEAD.replace("q [kPa]", "q [MPa]") + ROWS, "lab.csv:6: q [MPa]: 3.4e+05 kPa is 3.4e+03 times the consolid"),
+        (HEAD.replace("s [kPa]", "s [MPa]") + ROWS, "lab.csv:6: q [kPa]: 340 kPa is 0.0034 times the consolidation"),
+        (HEAD + ROWS + "100,10,-9999\n", "lab.csv:7: q [kPa]: -9999 kPa: this stress is positive in compression"),
+        (
+            HEAD + ROWS + "100,0,0\n100,2,150\n",
+            "lab.csv:7: axial strain [%]: the strain falls to 0 %: two tests need a",
+        ),
     ],
 )
 def test_data_that_are_no_test_are_refused(scene: Path, tmp_path: Path, text: str, message: str) -> None:
@@ -146,6 +160,24 @@ def test_keys_to_be_fitted_are_numbers_of_the_law_with_their_bounds(scene: Path,
     data = ("--data", str(tmp_path / "lab.csv"), "--fit", "frict_angle_final")
     found = command("element", str(scene), "--layer", "sand", *data)
     assert "is no number of the layer that its law uses (did you mean 'friction_angle_final'?)" in found.err
+
+
+def test_a_fit_needs_more_values_than_keys_and_states_what_the_law_does_not_reach(scene: Path, tmp_path: Path) -> None:
+    def fitted(rows: str, keys: str, *more: str) -> Result:
+        (tmp_path / "lab.csv").write_text(HEAD + rows)
+        data = ("--data", str(tmp_path / "lab.csv"), "--fit", keys, "--no-figures", "--out", str(tmp_path / "o"), *more)
+        return command("element", str(scene), "--layer", "sand", *data)
+
+    two = "friction_angle_final,dilation_angle"
+    few = fitted("100,0,0\n100,1,220\n100,5,340\n", two)
+    assert few.code == 2 and "--fit: 2 keys need more measured values beyond a strain of 0 than 2" in few.err
+    near = "100,0,0\n100,1,270\n100,2,285\n100,5,290\n"
+    far = "the law does not reach the data: more than 20% away"
+    reached, beyond = (fitted(rows, "friction_angle_final") for rows in (near, near.replace("0\n", "00\n")))
+    assert far in beyond.out and far not in reached.out
+    assert 'values of layer "sand" at 3 m below mudline (--depth)' in reached.out
+    by_depth = 'soil.layer.sand.friction_angle_final={ top = "34 deg", bottom = "36 deg" }'
+    assert '"friction_angle_final" is by depth in this layer' in fitted(near, two, "--set", by_depth).err
 
 
 def test_a_curve_that_ends_early_is_away_from_the_data_beyond(scene: Path) -> None:
