@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.scene.profile_table import WATER
+from pysprings.scene.soils.friction import LEAST_STIFFNESS
+from pysprings.scene.soils.sand import mobilisation
 from pysprings.site.sounding import LEAST_STRESS, PA, unit_weight
 
 Array = NDArray[np.float64]
@@ -198,6 +200,26 @@ SAND = (
         for stress, strain in ((10, 0.95e-4), (200, 1.9e-4))
     ),
 )  # fmt: skip
+
+
+KARLSRUHE = "25 triaxial tests on Karlsruhe fine sand (Wichtmann and Triantafyllidis 2016)"
+SOFTEST = 1.9  # B fitted to a single one of these tests over that fitted to all, exceeded by a tenth of them
+FOUR_SANDS = (0.4, 0.8)  # D_r at which B meets E_50 of four sands, s_3 100 kPa
+
+
+def small_strains(density: Array) -> dict[str, Array]:
+    """Return the keys of law sand that decide on small strains: low, best, high (3, 2) of D_r low, best, high (3, 2).
+
+    Best is the default of the law, fitted to `KARLSRUHE`. High is the set of Brinkgreve et al. (2010): G_ur/G_0 =
+    75 D_r/(60 + 68 D_r), and B with which the law has E_50 = 60 D_r MPa. Low: B of the softest tenth of the Karlsruhe
+    tests; the floor stays, since these tests cannot tell a lower one from the bedding of the specimens.
+    """
+    floor = np.full((3, 2), LEAST_STIFFNESS)  # one number in a layer
+    mean = density[2].mean()
+    floor[2] = max(75.0 * mean / (60.0 + 68.0 * mean), LEAST_STIFFNESS)
+    stiff = np.minimum(0.0122 * np.exp(-1.5 * (density[2] - 0.5)), mobilisation(density[1]))
+    scale = np.array([SOFTEST * mobilisation(density[0]), mobilisation(density[1]), stiff])
+    return {"degradation_limit": floor, "mobilisation_strain": scale}
 
 
 def clay(factors: tuple[float, float, float] = CONE_FACTORS) -> tuple[Correlation, ...]:

@@ -43,6 +43,8 @@ VALUES = {
     "young_modulus": Shown("Young modulus", "E", "MPa", 1e-6),
     "shear_modulus": Shown("G", "G_0", "MPa", 1e-6),
     "degradation_strain": Shown("Degradation strain", "gamma_0.7", "-"),
+    "degradation_limit": Shown("Degradation limit", "G_ur/G_0", "-"),
+    "mobilisation_strain": Shown("Mobilisation strain", "B", "-"),
     "strain_at_half_strength": Shown("Strain at half strength", "gamma_50", "-"),
 }
 
@@ -107,6 +109,8 @@ def remarks(proposal: Proposal) -> list[str]:
     if any(unit.law == "sand" for unit in proposal.units):
         out.append("law sand computes phi, psi, G_0 and gamma_0.7 from D_r and the stress: those of correlations are "
                    "shown beside it, and not written")  # fmt: skip
+        out.append("B and G_ur/G_0 of sand differ from sand to sand: best is a soft one, high four others; fit them to "
+                   "triaxial tests (pysprings element --fit)")  # fmt: skip
     for k, unit in enumerate(proposal.units, start=1):
         marks = [f"{shown.symbol} outside the range of {', '.join(value.outside)}"
                  for _, shown, value in _of(unit) if value.outside]  # fmt: skip

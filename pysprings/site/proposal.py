@@ -19,7 +19,18 @@ from pysprings.core.text import suggestion
 from pysprings.scene.defaults import beyond_common
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
-from pysprings.site.correlations import CONE_FACTORS, CRITICAL, SAND, Correlation, Rows, clay, dilation
+from pysprings.site.correlations import (
+    CONE_FACTORS,
+    CRITICAL,
+    FOUR_SANDS,
+    KARLSRUHE,
+    SAND,
+    Correlation,
+    Rows,
+    clay,
+    dilation,
+    small_strains,
+)
 from pysprings.site.files import Bed, Points, Site
 from pysprings.site.sounding import (
     SAND_TO,
@@ -403,6 +414,13 @@ def _derived(unit: Unit) -> None:
     name, phi = "phi", unit.values.get("friction_angle_final")
     if unit.kind == "sand" and phi is not None:
         unit.values.setdefault("dilation_angle", Value(dilation(phi.lines), ("Bolton 1986, from phi",)))
+    if unit.law == "sand" and "relative_density" in unit.values:
+        density = unit.values["relative_density"].lines
+        odd = not FOUR_SANDS[0] <= density[2].mean() <= FOUR_SANDS[1]
+        outside = ("Brinkgreve et al. 2010 (D_r 0.4 to 0.8) in 100% of the rows",) if odd else ()
+        sources = (f"low, best: {KARLSRUHE}", "high: Brinkgreve et al. 2010")
+        for key, lines in small_strains(density).items():
+            unit.values.setdefault(key, Value(lines, sources, outside))
     if unit.law == "sand":
         name, phi = "phi_crit", unit.values.get("critical_friction_angle", Value(np.full((3, 2), CRITICAL), ()))
     if unit.kind == "sand" and phi is not None:

@@ -90,7 +90,7 @@ class Sand(SoilLaw):
 
     def derived(self, stratum: Stratum) -> dict[str, float]:
         density = float(stratum.value("relative_density", np.array(0.5 * (stratum.top + stratum.bottom))))
-        values = {"degradation_strain": _reference(density), "mobilisation_strain": float(_scale(density))}
+        values = {"degradation_strain": _reference(density), "mobilisation_strain": float(mobilisation(density))}
         return {name: value for name, value in values.items() if name not in stratum.values}
 
     def shown(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
@@ -105,7 +105,7 @@ class Sand(SoilLaw):
     def pack(self, stratum: Stratum, soil: Soil) -> np.ndarray:
         density, critical, surface = soil.relative_density, soil.critical_friction_angle, engine_law(self.name)
         scale = getattr(soil, "mobilisation_strain", None)
-        scale = _scale(density) if scale is None else scale
+        scale = mobilisation(density) if scale is None else scale
         index = np.vectorize(formulas.dilatancy_index)(density, CRUSHING, soil.mean_effective_stress)
         share = np.minimum(_at_rest(soil.K0) / np.sin(critical + formulas.PER_INDEX * index), _MOST_MOBILISED)
         start = -scale * np.log1p(-(share**EXPONENT))  # e_0, from x^n = 1 - exp(-e/B) of the initial state
@@ -134,5 +134,6 @@ def _reference(density: Any) -> Any:
     return (2.0 - density) * 1e-4
 
 
-def _scale(density: Any) -> Any:
+def mobilisation(density: Any) -> Any:
+    """Return B of a relative density where a scene gives none."""
     return 0.024 * np.exp(-2.2 * (density - 0.5))
