@@ -191,8 +191,7 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     names = table.texts("location")
     for k in [k for k, each in enumerate(names) if not each] if len(set(names) - {""}) > 1 else ():
         table.fault(k, "location", "is blank: name the test of each row")
-    if "Rf" in table and re.fullmatch(r"[\w .]*", table.key("Rf")) and table.columns["Rf"][1].unit in ("", "1"):
-        table.fault(None, "Rf", "has no unit: write 'Rf [%]', or 'Rf [-]' for a share")
+    table.fault_without_unit("Rf")
     given = {name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u")}
     table.faults.stop()
     given["u2"] = np.where(np.isfinite(given["u2"]), given["u2"], given.pop("u"))

@@ -84,6 +84,8 @@ def read_tests(file: Path, kind: ElementTest, stress: float | None) -> list[LabT
             table.fault(None, None, f"no column '{shown}': a {kind} test needs it")
     if "stress_Pa" not in table and stress is None:
         table.fault(None, None, "no column 'stress [kPa]' of the consolidation stress: add it, or give one --stress")
+    for name in (strain, "volumetric_strain"):
+        table.fault_without_unit(name, exact=True)
     table.faults.stop()
     values = {name: table.numbers(name, most=False) for name in (strain, *measured) if name in table}
     stresses = table.numbers("stress_Pa") if "stress_Pa" in table else np.full(len(table), stress)

@@ -131,6 +131,14 @@ class Table:
         if any((each.file, each.line) == (self.place, self.head_line) for each in self.faults.problems):
             self.faults.stop()
 
+    def fault_without_unit(self, name: str, exact: bool = False) -> None:
+        """Note a column of shares whose heading has no unit: percent or not? With ``exact`` its own name is SI."""
+        if name in self.columns and (heading := self.columns[name][1]).unit in ("", "1"):
+            if (exact and heading.text == name) or "1" in heading.text:
+                return
+            text = f"has no unit: write '{heading.text} [%]', or '{heading.text} [-]' for a share of 1"
+            self.fault(None, name, text)
+
     def fault(self, k: int | None, name: str | None, message: str) -> None:
         """Note a fault in a row (None: in the headings), under a column's own heading."""
         line = self.head_line if k is None else int(self.lines[k])

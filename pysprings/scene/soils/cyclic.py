@@ -281,6 +281,8 @@ def read_rows(file: Path, kind: str) -> list[list[float]]:
         if each.name not in table and each.name not in ("tau_a/su", "gamma_a"):
             names = ", ".join(column.name for column in columns)
             table.fault(None, None, f"no column '{each.name}': {kind} have {names}")
+    for name in ("gamma_a", "gamma_cy"):
+        table.fault_without_unit(name)
     table.faults.stop()
     found = []
     for column, interval in zip(columns, intervals, strict=True):

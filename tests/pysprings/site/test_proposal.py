@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from pysprings.core.tables import TableNote
 from pysprings.scene.load import parse_scene
 from pysprings.scene.profile_table import read_layers
+from pysprings.scene.soils import SOIL_LAWS
 from tests.support.commands import command
 
 GAMMA = 9.81e3
@@ -78,7 +80,7 @@ def test_low_is_the_softest_and_high_the_stiffest_of_every_value(cpt) -> None:
     for layer in proposal(cpt)["layers"]:
         for key, value in layer["values"].items():
             low, best, high = (np.array(value[each]) for each in ("low", "best", "high"))
-            if key == "strain_at_half_strength":
+            if key in ("strain_at_half_strength", "mobilisation_strain"):
                 low, high = high, low
             assert (low <= best).all() and (best <= high).all(), key
 
@@ -119,6 +121,34 @@ def test_sand_is_written_by_its_density_and_with_given_angles_by_these(cpt, tmp_
     assert command("ground", cpt, tmp_path / "log.csv", "--out", tmp_path / "b.csv", "--no-figures").code == 0
     sand = read_layers(tmp_path / "b.csv")[0]
     assert (sand["law"], sand["friction_angle_final"]) == ("van-eekelen", "36 deg") and "relative_density" not in sand
+
+
+def test_small_strains_of_sand_have_the_range_of_their_sources(cpt, tmp_path) -> None:
+    """Best is what the law takes by itself, high the set of Brinkgreve et al. (2010), by the D_r of each estimate."""
+    out = tmp_path / "site.csv"
+    assert command("ground", cpt, "--out", out, "--no-figures").code == 0
+    sand = read_layers(out)[0]
+    density, scale, floor = (sand[key] for key in ("relative_density", "mobilisation_strain", "degradation_limit"))
+    assert scale["low"] == pytest.approx(1.9 * 0.024 * np.exp(-2.2 * (density["low"] - 0.5)), rel=0.01)
+    assert scale["high"] == pytest.approx(0.0122 * np.exp(-1.5 * (density["high"] - 0.5)), rel=0.01)
+    assert (floor["low"], floor["best"]) == (0.2, 0.2)
+    assert floor["high"] == pytest.approx(75 * density["high"] / (60 + 68 * density["high"]), rel=0.01)
+    text = f'[soil]\nprofile = "{out}"\n[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "1 mm"\n'
+    for estimate in ("low", "best", "high"):
+        stratum = parse_scene(text, str(tmp_path / "a.toml"), [f'soil.estimate="{estimate}"']).ground.strata[0]
+        values = stratum.values | SOIL_LAWS["sand"].derived(stratum)
+        assert values["mobilisation_strain"] == scale[estimate] and values["degradation_limit"] == floor[estimate]
+    without = replace(stratum, values={"relative_density": density["best"]})
+    assert SOIL_LAWS["sand"].derived(without)["mobilisation_strain"] == pytest.approx(scale["best"], rel=0.01)
+
+
+def test_small_strains_that_a_file_gives_stay(tmp_path) -> None:
+    text = "Depth from [m],Depth to [m],Soil type,Dr [%],Degradation limit,Mobilisation strain\n0,5,SAND,15,0.3,0.01\n"
+    (tmp_path / "a.csv").write_text(text + "5,9,SAND,15,,\n")
+    given, loose = (layer["values"] for layer in proposal(tmp_path / "a.csv")["layers"])
+    assert given["degradation_limit"]["high"] == [0.3, 0.3] and given["mobilisation_strain"]["low"] == [0.01, 0.01]
+    assert loose["degradation_limit"]["high"] == [0.2, 0.2]  # never below the best value
+    assert loose["mobilisation_strain"]["outside"] == ["Brinkgreve et al. 2010 (D_r 0.4 to 0.8) in 100% of the rows"]
 
 
 def test_a_table_is_never_replaced_without_force(cpt, tmp_path) -> None:
