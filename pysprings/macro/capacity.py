@@ -32,6 +32,7 @@ from pysprings.core.loads import close_loads
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 from pysprings.macro.solver import follow_ways
+from pysprings.macro.vertical import covered, share_left
 from pysprings.macro.vertical_answer import SLACK, vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SAME_DIRECTION
@@ -89,19 +90,37 @@ def capacities(model: MacroModel, loads: Array, V: Array | float | None = None) 
     directions = plane[loaded] / size[loaded, None]
     angles, place = np.unique(_angles(directions), return_inverse=True)
     ends = _ends(model, np.stack([np.cos(angles), np.sin(angles)], axis=1))
-    largest = ends.largest[place]
+    largest, own = ends.largest[place], np.full(len(place), model.origin.load)
     out.kind[loaded], out.source[loaded] = ends.kind[place], ends.source[place]
     for each, rows in limit_loads_along(model, directions, down):
         largest[rows] = np.hypot(each.H, each.M / model.length)
+        own[rows] = each.V
         out.kind[loaded[rows]], out.source[loaded[rows]] = FULL_LIMIT, f"path '{each.path}' {each.words}"
     none = largest <= 0.0  # no load is known that far
     if down is not None:
         beyond = vertical_use(model, down)["utilisation_V"] > 1.0 + SLACK
+        left = _left(model, down, own)
+        largest *= np.nan_to_num(left, nan=1.0)
+        for k in np.flatnonzero(left != 1.0):
+            least = "may leave less: no path leads to it"
+            words = f"leaves at least {100.0 * left[k]:.1f} %" if left[k] < 1.0 else least
+            out.source[loaded[k]] += f"; at V of the springs, of which this V {words}"
         out.source[loaded[beyond]], none = "V is beyond the largest known vertical load", none | beyond
     largest[none], out.kind[loaded[none]] = np.nan, NOT_KNOWN
     out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T
     out.utilisation[loaded] = size[loaded] / largest
     return out
+
+
+def _left(model: MacroModel, V: Array, own: Array) -> Array:
+    """Return the share (n,) of the largest loads at V `own` (n,) [N] that is known to be left at V (n,) [N] near it.
+
+    1 at the same V, where the springs do not hold, which is marked, and where w is held; NaN where no path leads to V.
+    """
+    if not model.origin.free_to_heave:
+        return np.ones(len(V))
+    left = share_left(model.vertical, V, own)
+    return np.where(covered(model.vertical, V, own), np.minimum(left, 1.0), 1.0)
 
 
 def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:

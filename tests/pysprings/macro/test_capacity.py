@@ -17,7 +17,7 @@ from pysprings.results.tables import open_table
 from tests.support.closed_forms import bilinear_springs
 from tests.support.commands import command
 from tests.support.fans import A, fan_springs, linear
-from tests.support.vertical import REST, down_curve, vertical_springs
+from tests.support.vertical import REST, down_curve, fan_with_vertical, vertical_springs, weaken
 
 
 @pytest.mark.parametrize("arm", [0.0, 3.0, 30.0, -4.0])
@@ -129,3 +129,32 @@ def test_beyond_the_largest_vertical_load_no_lateral_load_is_known() -> None:
     cases = predict_batch(tree, H=np.full(2, 1e5), arm=2.0, V=np.array([-0.7e6, -1e6]))
     for name in ("capacity_H", "capacity_M", "utilisation"):
         assert np.isfinite(cases[name].values).tolist() == [True, False]
+
+
+def test_a_vertical_load_near_that_of_the_springs_takes_its_part_of_the_largest_load() -> None:
+    """Within 10 % on the push and the pull side: by the chord to the end of the vertical path there, never more."""
+    tree, load = weaken(fan_with_vertical(), "up", 1.0 / 6.0), np.array([[1e6, 2e6]])
+    model = MacroModel.from_springs(tree)
+    own = capacities(model, load, REST)
+    assert "leaves at least" not in own.source[0] and model.vertical is not None
+    ends = {branch.sign: branch.largest for branch in model.vertical.branches}
+    for V in REST * np.array([0.96, 1.08]):
+        end = ends[np.sign(V - REST)]
+        found, left = capacities(model, load, V), (V - end) / (REST - end)
+        assert 0.8 < left < 1.0 and float(found.H[0]) == pytest.approx(left * float(own.H[0]), rel=1e-9)
+        answer = predict(model, H=2e5, M=4e5, V=float(V))
+        assert float(answer["utilisation"]) == pytest.approx(2e5 / (left * float(own.H[0])), rel=1e-6)
+        assert f"of which this V leaves at least {100.0 * left:.1f} %" in answer.attrs["capacity_from"]
+        batch = predict_batch(model, H=np.array([2e5]), M=np.array([4e5]), V=np.array([V]))
+        assert float(batch["utilisation"][0]) == pytest.approx(float(answer["utilisation"]), rel=1e-9)
+    limited = tree.copy(deep=True)
+    limited["paths/ray_0"].attrs |= {"end": "limit load", "end_H_N": 3e5, "end_M_Nm": 0.0}
+    found = [capacities(MacroModel.from_springs(limited), np.array([[1e5, 0.0]]), V) for V in (REST, 0.96 * REST)]
+    assert [each.kind[0] for each in found] == ["limit load of the full model"] * 2
+    assert float(found[1].H[0]) == pytest.approx(3e5 * (0.96 * REST - ends[-1.0]) / (REST - ends[-1.0]), rel=1e-9)
+    del limited["paths"]["up"]
+    alone = capacities(MacroModel.from_springs(limited), np.array([[1e5, 0.0]]), 0.96 * REST)
+    assert float(alone.H[0]) == pytest.approx(3e5, rel=1e-9)
+    assert alone.source[0].endswith("of which this V may leave less: no path leads to it")
+    far = capacities(model, load, 0.5 * REST)  # marked
+    assert float(far.H[0]) == float(own.H[0]) or far.kind[0] == NOT_KNOWN
