@@ -22,7 +22,7 @@ ALLOWED = {
     "pysprings/results/exporters/soildyn/library.py": {"subprocess"},
     "fe_engine/linear/backends.py": {"ctypes"},
     "fe_engine/register.py": {"exec", "compile"},
-    "pysprings/core/workers.py": {"multiprocessing", "multiprocessing.connection", "pickle"},
+    "pysprings/core/workers.py": {"multiprocessing", "multiprocessing.connection", "multiprocessing.util", "pickle"},
 }
 CALLS = {"eval", "exec", "compile", "__import__", "os.system", "os.popen", "os.execv", "os.spawnl", "os.startfile"}
 METHODS = {"read_pickle", "to_pickle", "eval", "sympify", "literal_eval", "system", "popen"}
