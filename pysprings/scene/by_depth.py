@@ -15,7 +15,7 @@ from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from pysprings.core.text import suggestion
-from pysprings.core.units import quoted
+from pysprings.core.units import quoted, unit_of
 from pysprings.core.words import ESTIMATES
 from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, refuse
 
@@ -244,6 +244,49 @@ def incomplete(data: dict[str, Any]) -> Iterator[tuple[Keys, str]]:
     for keys, table in ranges_in(data):
         if set(table) != set(ESTIMATES):
             yield keys, f"a range has the keys low, best, high, got {', '.join(map(str, table))}"
+
+
+# keys of which the largest value is that of the softest and weakest ground, and those of which it is the least
+WEAKER = (
+    "strain_at_half_strength", "mobilisation_strain", "hardening_parameter", "contraction", "plasticity_index",
+    "cycles",
+)  # fmt: skip
+STRONGER = (
+    "young_modulus", "shear_modulus", "rigidity_ratio", "undrained_shear_strength", "friction_angle_final",
+    "critical_friction_angle", "cohesion", "relative_density", "degradation_strain", "degradation_limit",
+    "friction_coefficient", "adhesion_factor", "compression_factor", "direct_shear_factor", "extension_factor",
+)  # fmt: skip
+
+
+def disordered(data: dict[str, Any]) -> Iterator[tuple[Keys, str]]:
+    """Yield the place of each range whose ends are the wrong way round or do not hold its best value, and the fault."""
+    for keys, table in ranges_in(data):
+        low, best, high = (_size(table.get(each)) for each in ESTIMATES)
+        if low is None or best is None or high is None:
+            continue
+        key = next((each for each in reversed(keys) if each in WEAKER or each in STRONGER), None)
+        if not min(low, high) <= best <= max(low, high):
+            yield keys, f"best, {_shown(table['best'])}, is not between low and high"
+        elif (key in WEAKER and low < high) or (key in STRONGER and low > high):
+            least = "largest" if key in WEAKER else "least"
+            yield keys, f"low is that of the softer and weaker ground, the {least} {key}: swap low and high"
+
+
+def _size(value: Any) -> float | None:
+    """Return a number, or that of a quantity, in SI; of a value by depth its first one; None for others."""
+    if isinstance(value, dict):
+        return _size(value.get("top", value.get("reference")))
+    if isinstance(value, str):
+        number, _, unit = value.strip().partition(" ")
+        try:
+            return float(number) * unit_of(unit)[0]
+        except ValueError:
+            return None
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def _shown(value: Any) -> str:
+    return str(value.get("top", value.get("reference"))) if isinstance(value, dict) else str(value)
 
 
 def picked(value: Any, estimate: str) -> Any:

@@ -19,7 +19,7 @@ from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
 from pysprings.scene import sections
-from pysprings.scene.by_depth import incomplete, picked, ranges_in, take_estimate
+from pysprings.scene.by_depth import disordered, incomplete, picked, ranges_in, take_estimate
 from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design, take_cases
@@ -115,7 +115,7 @@ class SceneText:
         of_cases, in_cases = take_cases(data, folder)
         in_tables = [*self._in_table, *problems, *in_cases]
         estimates, wrong = take_estimate(data, Scene.model_fields["title"].default)
-        faults = {Fault((keys,), message): "" for keys, message in (*incomplete(data), *of_cases)}
+        faults = {Fault((keys,), message): "" for keys, message in (*incomplete(data), *disordered(data), *of_cases)}
         if wrong and not in_tables:
             faults[Fault((("soil", "estimate"),), wrong)] = ""
         scenes = []

@@ -35,7 +35,7 @@ from pysprings.core.tables.files import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import quoted, show, si_of
 from pysprings.core.words import ESTIMATES
-from pysprings.scene.by_depth import Profile, is_range, picked
+from pysprings.scene.by_depth import Profile, disordered, is_range, picked
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
 from pysprings.scene.sections import BY_LAYER, Layer
 from pysprings.scene.soils import SOIL_LAWS
@@ -381,6 +381,8 @@ def _is_sand(layer: dict[str, Any], soil: Mapping[str, Any]) -> bool:
 
 def _check_layer(table: Table, layer: dict[str, Any], k: int) -> None:
     """Note what the scene refuses of a layer, with each estimate of its ranges."""
+    for keys, message in disordered(layer):
+        table.fault(min(k, len(table) - 1), _name_of(table, str(keys[0]), "low"), message)
     for estimate in ESTIMATES if any(map(is_range, layer.values())) else ESTIMATES[1:2]:
         try:
             Layer.model_validate(picked(layer, estimate), context=FROM_TOML)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.text import suggestion
+from pysprings.scene.by_depth import WEAKER
 from pysprings.scene.defaults import beyond_common
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
@@ -51,8 +52,6 @@ LINEAR = (
     "young_modulus",
     "cohesion",
 )  # by depth; the others are means of a layer
-# where the greatest value makes the softest ground
-SOFTER = ("strain_at_half_strength", "mobilisation_strain", "hardening_parameter", "contraction")
 WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades
@@ -347,7 +346,7 @@ def _measured(unit: Unit, points: Points, ends: Array, correlated: set[str]) -> 
         if count < FEWEST_POINTS:
             unit.remarks.append(f"{count} measured {key}: no range")
         unit.values[key] = Value(
-            np.outer(shares[::-1] if key in SOFTER else shares, best), (f"{count} measured values",), measured=True
+            np.outer(shares[::-1] if key in WEAKER else shares, best), (f"{count} measured values",), measured=True
         )
 
 
@@ -386,7 +385,7 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
             for _, each, share in found if share > MARKED
         )  # fmt: skip
         names = tuple(each.name for _, each, _ in counted)
-        unit.values[key] = Value(three[::-1] if key in SOFTER else three, names, outside)
+        unit.values[key] = Value(three[::-1] if key in WEAKER else three, names, outside)
         if key == "relative_density":
             rows = rows.with_density(np.interp(depth, ends, three[1]))
 

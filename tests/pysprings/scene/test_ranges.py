@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Values with low, best and high: the estimate picks one of them in scenes and tables; wrong ranges are refused."""
 
+import re
+
 import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.scene.load import load_scene, parse_scene
+from pysprings.scene.profile_table import read_layers
 from pysprings.scene.template import scene_schema
 
 SCENE = """\
@@ -138,3 +141,36 @@ def test_the_schema_of_an_editor_accepts_ranges(tmp_path) -> None:
     for table in (soil, soil["layer"]["items"]["properties"]):
         assert [each.get("required") for each in table["K0"]["anyOf"]] == [None, ["low", "best", "high"]]
     assert "anyOf" not in soil["yield_surface"]
+
+
+@pytest.mark.parametrize(
+    ("key", "low", "best", "high", "message"),
+    [
+        ("friction_angle_final", '"39 deg"', '"36 deg"', '"33 deg"', "the least friction_angle_final: swap"),
+        ("friction_angle_final", '"33 deg"', '"0.7 rad"', '"39 deg"', "best, 0.7 rad, is not between low and high"),
+        ("young_modulus", '"0.2 GPa"', '"40 MPa"', '"20 MPa"', "the least young_modulus: swap low and high"),
+        ("hardening_parameter", "0.001", "0.002", "0.005", "the largest hardening_parameter: swap low and high"),
+        ("K0", "0.7", "0.9", "0.5", "best, 0.9, is not between low and high"),
+    ],
+)  # fmt: skip
+def test_ranges_that_are_the_wrong_way_round_are_refused(key, low, best, high, message) -> None:
+    """K0 has no softer end: it may fall from low to high."""
+    given = re.sub(rf"(?m)^{key} = .*\n", "", SCENE)
+    given = given.replace("[soil]\n", f"[soil]\n{key} = {{ low = {low}, best = {best}, high = {high} }}\n", 1)
+    with pytest.raises(UserInputError) as error:
+        parse_scene(given, "a.toml")
+    assert message in str(error.value)
+    falling = SCENE.replace("K0 = 0.5", "K0 = { low = 0.7, best = 0.6, high = 0.5 }")
+    assert parse_scene(falling, "a.toml").ground.strata[0].values["K0"] == 0.6
+
+
+def test_a_range_by_depth_that_is_the_wrong_way_round_is_refused() -> None:
+    with pytest.raises(UserInputError, match="the least shear_modulus: swap low and high"):
+        parse_scene(SCENE + LAYER.replace('top = "20', 'top = "200').replace('best = "40', 'best = "140'), "a.toml")
+
+
+def test_ranges_of_a_table_that_are_the_wrong_way_round_are_refused_with_their_line(tmp_path) -> None:
+    head = "Depth from [m],Depth to [m],Effective unit weight [kN/m3],su [kPa],G [MPa],eps50 low [%],eps50 best [%],"
+    (tmp_path / "a.csv").write_text(f"{head}eps50 high [%]\n0,9,8,20,6,0.5,1,2\n")
+    with pytest.raises(UserInputError, match=r"a.csv:2: eps50 low \[%\]: low is that of the softer and weaker ground"):
+        read_layers(tmp_path / "a.csv")
