@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ from pysprings.scene.profile_table import (
 from pysprings.scene.sections import BY_LAYER
 from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
-from pysprings.site.sounding import Sounding, sounding
+from pysprings.site.sounding import Sounding, sounding, usable
 
 Array = NDArray[np.float64]
 
@@ -196,11 +197,12 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     table.faults.stop()
     given["u2"] = np.where(np.isfinite(given["u2"]), given["u2"], given.pop("u"))
     locations = list(dict.fromkeys(each for each in names if each)) or [""]
-    out = []
-    for name in locations:
+
+    def test(name: str) -> Sounding:
         own = np.array([each in (name, "") for each in names])
-        out.append(sounding(table.place, name or path.stem, {key: value[own] for key, value in given.items()}))
-    return out
+        return sounding(table.place, name or path.stem, {key: value[own] for key, value in given.items()})
+
+    return usable(partial(test, name) for name in locations)
 
 
 def _value_columns() -> tuple[Column, ...]:

@@ -9,6 +9,7 @@ import csv
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from pysprings.core.text import one_line
 from pysprings.core.units import quoted
 from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import WATER
-from pysprings.site.sounding import Sounding, sounding
+from pysprings.site.sounding import Sounding, sounding, usable
 
 Array = NDArray[np.float64]
 
@@ -237,11 +238,12 @@ def ags_soundings(path: Path, groups: Groups) -> list[Sounding]:
     place = head.index("LOCA_ID") if "LOCA_ID" in head else None
     for line, cells in rows:
         by_location.setdefault(cells[place] if place is not None else path.stem, []).append((line, cells))
-    return [
-        sounding(str(path), name, {channel: scale * _ags_column(path, head, columns[channel], own)
-                                   for channel, scale in scales.items()}, ratios.get(name))
-        for name, own in by_location.items()
-    ]  # fmt: skip
+
+    def test(name: str, own: Sequence[tuple[int, list[str]]]) -> Sounding:
+        given = {channel: scale * _ags_column(path, head, columns[channel], own) for channel, scale in scales.items()}
+        return sounding(str(path), name, given, ratios.get(name))
+
+    return usable(partial(test, *each) for each in by_location.items())
 
 
 def _ags_groups(text: str) -> Iterator[tuple[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]]:
@@ -313,7 +315,7 @@ def read_bro(path: Path, raw: bytes) -> list[Sounding]:
     tests = [each for each in root.iter("CPT_O") if each.find(".//cptResult/values") is not None]
     if not tests:
         raise refused(path, f"holds no cone penetration test of the BRO (CPT_O with cptResult): its root is {root.tag}")
-    return [_bro_test(path, each) for each in tests]
+    return usable(partial(_bro_test, path, each) for each in tests)
 
 
 def _bro_test(path: Path, test: ElementTree.Element) -> Sounding:

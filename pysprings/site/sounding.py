@@ -10,13 +10,15 @@ programming over cells.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables import TableNote
 from pysprings.scene.profile_table import WATER
 
 Array = NDArray[np.float64]
@@ -86,7 +88,7 @@ def sounding(
     length = len(given["depth"])
     channel, notes = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}, []
     for each in CHANNELS:
-        channel[each], found = _without_voids(place, each, channel[each])
+        channel[each], found = _without_voids(place, name, each, channel[each])
         notes += found
     depth, upward = _downward(place, channel["depth"], drilled)
     notes += upward
@@ -104,7 +106,7 @@ def sounding(
     if count := int((sleeve[good] <= 0.0).sum()):
         notes.append(f"{count} rows without positive sleeve friction have no I_c")
     sleeve = np.where(sleeve > 0.0, sleeve, np.nan)
-    _refuse_units(place, cone[good], sleeve[good], channel["u2"][good])
+    _refuse_units(place, name, cone[good], sleeve[good], channel["u2"][good])
     if missing := int((~good & (np.nan_to_num(depth, nan=drilled) >= drilled)).sum()):
         notes.append(f"{missing} of {length} rows without depth or positive cone resistance are left out")
     if area_ratio is not None and not 0.1 <= area_ratio <= 1.0:
@@ -127,7 +129,25 @@ def sounding(
     )
 
 
-def _without_voids(place: str, name: str, values: Array) -> tuple[Array, list[str]]:
+def usable(tests: Iterable[Callable[[], Sounding]]) -> list[Sounding]:
+    """Return the tests of a file; one that is refused does not hold up the others, with a warning.
+
+    Raises UserInputError: all are refused.
+    """
+    found, wrong = list[Sounding](), list[Problem]()
+    for make in tests:
+        try:
+            found.append(make())
+        except UserInputError as error:
+            wrong += error.problems
+    if wrong and not found:
+        raise UserInputError(wrong)
+    for problem in wrong:
+        warnings.warn(f"left out: {problem}", TableNote, stacklevel=2)
+    return found
+
+
+def _without_voids(place: str, test: str, name: str, values: Array) -> tuple[Array, list[str]]:
     """Return a channel with NaN for numbers that stand for no value, and a note on each of them.
 
     That is a number beyond the size that a test has, or of nines (-9999, 999.25), with more than twice the size of all
@@ -145,7 +165,9 @@ def _without_voids(place: str, name: str, values: Array) -> tuple[Array, list[st
         out[out == code] = np.nan
     largest = float(np.nanmax(np.abs(out), initial=0.0))
     if largest > most:
-        message = f"has {what} of {largest * factor:.4g} {unit}, beyond {most * factor:g} {unit}: is the unit right?"
+        message = (
+            f"{test} has {what} of {largest * factor:.4g} {unit}, beyond {most * factor:g} {unit}: is the unit right?"
+        )
         raise UserInputError([Problem(place, message=message)])
     return out, notes
 
@@ -179,7 +201,7 @@ def _order(place: str, name: str, depth: Array) -> list[str]:
     return ["rows are not in the order of their depth: sorted"]
 
 
-def _refuse_units(place: str, cone: Array, sleeve: Array, pressure: Array) -> None:
+def _refuse_units(place: str, test: str, cone: Array, sleeve: Array, pressure: Array) -> None:
     """Refuse resistances, frictions and pressures that no test has: their units are wrong."""
     friction, most = _median(sleeve / cone, 0.01), float(cone.max())
     share = _median(pressure / cone, 0.0)
@@ -190,7 +212,7 @@ def _refuse_units(place: str, cone: Array, sleeve: Array, pressure: Array) -> No
         (share > MOST_PRESSURE, f"a pore pressure u2 of {share:.3g} times the cone resistance"),
     ):
         if wrong:
-            raise UserInputError([Problem(place, message=f"has {what}: is the unit right?")])
+            raise UserInputError([Problem(place, message=f"{test} has {what}: is the unit right?")])
 
 
 def _median(values: Array, default: float) -> float:

@@ -166,6 +166,15 @@ def test_codes_for_no_value_are_no_measurements(tmp_path, column, code) -> None:
             assert any("taken as missing" in each or "left out" in each for each in test.notes), test.notes
 
 
+def test_a_test_that_is_refused_does_not_hold_up_the_others(tmp_path) -> None:
+    ags = AGS + "".join(f'"DATA","B-2","1","{z}","{q}","20","5"\n' for z, q in ((1, 2), (2, 3)))
+    csv = (CSV + "1,2,0.02,0.01,B-2,x\n2,3,0.03,0.01,B-2,x\n").replace(",remark", "").replace(",x\n", "\n")
+    for name, text in (("a.ags", ags), ("a.csv", csv)):
+        with pytest.warns(UserWarning, match=rf"left out: \S*{name}: B-2: 2 rows with depth and cone resistance"):
+            (test,) = read(tmp_path, name, text).soundings
+        assert test.name == "A-1"
+
+
 def test_what_is_left_out_of_a_test_is_stated(tmp_path) -> None:
     text = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n-0.5,0.1,0.01,0\n1.5,2,0,\n1,1,0.01,0.1\n2,3,0.03,0.2\n3,,0.03,0.2\n"
     (test,) = read(tmp_path, "a.csv", text).soundings
