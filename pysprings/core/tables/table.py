@@ -134,7 +134,7 @@ class Table:
     def fault_without_unit(self, name: str, exact: bool = False) -> None:
         """Note a column of shares whose heading has no unit: percent or not? With ``exact`` its own name is SI."""
         if name in self.columns and (heading := self.columns[name][1]).unit in ("", "1"):
-            if (exact and heading.text == name) or "1" in heading.text:
+            if (exact and heading.text == name) or re.search(r"[\[(]\s*1\s*[\])]", heading.text):
                 return
             text = f"has no unit: write '{heading.text} [%]', or '{heading.text} [-]' for a share of 1"
             self.fault(None, name, text)
