@@ -136,6 +136,8 @@ class Table:
         if name in self.columns and (heading := self.columns[name][1]).unit in ("", "1"):
             if (exact and heading.text == name) or re.search(r"[\[(]\s*1\s*[\])]", heading.text):
                 return
+            if all(isinstance(cell, Percent) or is_blank(cell) for cell in self.cells(name)):
+                return  # shown in percent by a workbook
             text = f"has no unit: write '{heading.text} [%]', or '{heading.text} [-]' for a share of 1"
             self.fault(None, name, text)
 

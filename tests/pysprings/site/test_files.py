@@ -4,6 +4,7 @@
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 
 from pysprings.core.errors import UserInputError
@@ -173,6 +174,18 @@ def test_a_test_that_is_refused_does_not_hold_up_the_others(tmp_path) -> None:
         with pytest.warns(UserWarning, match=rf"left out: \S*{name}: B-2: 2 rows with depth and cone resistance"):
             (test,) = read(tmp_path, name, text).soundings
         assert test.name == "A-1"
+
+
+def test_a_friction_ratio_that_a_workbook_shows_in_percent_needs_no_unit(tmp_path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    sheet.append(["Depth [m]", "qc [MPa]", "Rf"])
+    for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True):
+        sheet.append([z, q, f / q])
+        sheet.cell(sheet.max_row, 3).number_format = "0.0%"
+    book.save(tmp_path / "a.xlsx")
+    (test,) = read_site([tmp_path / "a.xlsx"]).soundings
+    assert test.sleeve == pytest.approx(np.multiply(SLEEVE, 1e6))
 
 
 def test_what_is_left_out_of_a_test_is_stated(tmp_path) -> None:
