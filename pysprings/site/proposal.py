@@ -301,7 +301,7 @@ def _remark(unit: Unit) -> None:
     law, written = SOIL_LAWS[unit.law], unit.written
     for key, value in unit.values.items():
         odd = dict.fromkeys(filter(None, (beyond_common(key, float(each)) for each in value.lines[1])))
-        unit.remarks.extend(f"{key}: {text}" for text in odd)
+        unit.remarks.extend(f"{key}: {text}" for text in odd if value.measured)
         if value.measured and key not in written:
             unit.remarks.append(f"{key} ({value.sources[0]}) is not written: law {unit.law} does not use it")
     if law.gives_stiffness and "shear_modulus" in written:

@@ -36,7 +36,7 @@ _SIZES = {
     "qt": ("a cone resistance", MOST_CONE, "MPa", 1e-6), "fs": ("a sleeve friction", 5.0e6, "MPa", 1e-6),
     "Rf": ("a friction ratio", 5.0, "%", 100.0), "u2": ("a pore pressure u2", 10.0e6, "MPa", 1e-6),
 }  # fmt: skip
-SUBMERGED = 2.0  # m, depth of the first row of elevations below mudline
+SUBMERGED = 2.0  # m, of the first row below mudline, or below what was drilled, where depths are negative
 SHORTEST, OVERLAP = 0.1, 1.3  # share of rows that fall, and length of runs over the depth, of several tests in one
 
 
@@ -87,6 +87,8 @@ def sounding(
     """
     length = len(given["depth"])
     channel, notes = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}, []
+    if np.isfinite(channel["fs"]).any():
+        channel["Rf"] = np.full(length, np.nan)  # follows from it
     for each in CHANNELS:
         channel[each], found = _without_voids(place, name, each, channel[each])
         notes += found
@@ -164,11 +166,12 @@ def _without_voids(place: str, test: str, name: str, values: Array) -> tuple[Arr
         notes.append(f"{count} values of {what.removeprefix('a ')} are {code * factor:.6g} {unit}: taken as missing")
         out[out == code] = np.nan
     largest = float(np.nanmax(np.abs(out), initial=0.0))
-    if largest > most:
-        message = (
-            f"{test} has {what} of {largest * factor:.4g} {unit}, beyond {most * factor:g} {unit}: is the unit right?"
-        )
-        raise UserInputError([Problem(place, message=message)])
+    if largest > most and name == "Rf":  # where the cone resistance is next to nothing
+        notes.append(f"{int((np.abs(out) > most).sum())} values of friction ratio beyond {most:.0%} are left out")
+        out[np.abs(out) > most] = np.nan
+    elif largest > most:
+        value = f"{what} of {largest * factor:.4g} {unit}, beyond {most * factor:g} {unit}"
+        raise UserInputError([Problem(place, message=f"{test} has {value}: is the unit right?")])
     return out, notes
 
 
@@ -180,7 +183,7 @@ def _downward(place: str, depth: Array, drilled: float) -> tuple[Array, list[str
     finite = depth[np.isfinite(depth)]
     if not finite.size or np.median(finite) >= 0.0:
         return depth, []
-    if -finite.max() > max(SUBMERGED, drilled):
+    if -finite.max() > drilled + SUBMERGED:
         begin = f"depths are negative and begin at {finite.max():g} m"
         message = f"{begin}: elevations of another level? a CPT counts from mudline, 0 m, down"
         raise UserInputError([Problem(place, message=message)])

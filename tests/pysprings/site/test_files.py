@@ -188,6 +188,17 @@ def test_a_friction_ratio_that_a_workbook_shows_in_percent_needs_no_unit(tmp_pat
     assert test.sleeve == pytest.approx(np.multiply(SLEEVE, 1e6))
 
 
+def test_friction_ratios_of_almost_no_cone_resistance_do_not_refuse_a_test(tmp_path) -> None:
+    rows = [(0.1, 0.001, 800, 0.01), (0.2, 0.001, 700, 0.01)]
+    rows += [(z, q, 1, 0.01 * q) for z, q in zip(DEPTH, CONE, strict=True)]
+    for head, columns in (("Rf [%]", 3), ("Rf [%],fs [MPa]", 4)):
+        text = f"z [m],qc [MPa],{head}\n" + "\n".join(",".join(map(str, row[:columns])) for row in rows)
+        (test,) = read(tmp_path, "a.csv", text).soundings
+        assert test.sleeve[2:] == pytest.approx(np.multiply(CONE, 0.01e6))
+        left_out = "2 values of friction ratio beyond 500% are left out" in test.notes
+        assert left_out == (columns == 3) == bool(np.isnan(test.sleeve[:2]).all())
+
+
 def test_what_is_left_out_of_a_test_is_stated(tmp_path) -> None:
     text = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n-0.5,0.1,0.01,0\n1.5,2,0,\n1,1,0.01,0.1\n2,3,0.03,0.2\n3,,0.03,0.2\n"
     (test,) = read(tmp_path, "a.csv", text).soundings
@@ -222,6 +233,15 @@ def test_rows_above_the_predrilled_depth_do_not_count(tmp_path) -> None:
     text = bro().replace('<c:predrilledDepth uom="m">0.3', '<c:predrilledDepth uom="m">0.8')
     (test,) = read(tmp_path, "a.xml", text).soundings
     assert test.depth.tolist() == DEPTH[1:] and "pre-drilled depth of 0.8 m" in test.notes[0]
+
+
+def test_negative_depths_below_a_predrilled_depth_are_depths(tmp_path) -> None:
+    """As in a public file of 2013: drilled to 6.0 m, corrected depths from -6.019 m on."""
+    head, _, rows = GEF.partition("#EOH=\n")
+    rows = "\n".join(f"-{6.019 + k / 50:.3f};{row.split(';', 1)[1]}" for k, row in enumerate(rows.split()))
+    (test,) = read(tmp_path, "a.gef", f"{head}#MEASUREMENTVAR= 13, 6.0, m, pre-drilled\n#EOH=\n{rows}\n").soundings
+    assert test.depth == pytest.approx([6.019, 6.039, 6.079, 6.099])
+    assert "depths are negative: taken as depths below mudline" in test.notes
 
 
 def test_a_table_with_several_locations_holds_several_tests(tmp_path) -> None:
