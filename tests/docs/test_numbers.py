@@ -13,6 +13,7 @@ SMALL = 12  # counts and steps of a page
 # numbers of a page that no command prints, with their reason
 GIVEN = {
     "first-run": {200.0},
+    "site": {2.6},  # I_c between sand and clay
     "sand": {200.0, 35.0, 30.0},  # D/200; friction angle and depth of the ground
     "clay": {200.0, 48.0},  # G/su and radius of the template
     "partially-drained": {400.0, 40.0, 30.0, 2957.0},  # seconds at its rates; metres of water; K_H of first-run
