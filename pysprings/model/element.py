@@ -32,6 +32,8 @@ MAX_ITERATIONS, MAX_HALVINGS, MAX_CUTS = 40, 12, 10
 TOLERANCE = 1.0e-9  # residual over the stress of the specimen
 _FIRST = 1.0e-6  # strain of the first increment
 
+LEAST_SHARE = 1.0e-4  # of the consolidation stress, sum of principal stresses below which there is no angle
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -85,7 +87,8 @@ class Curve:
         axial, radial = stress[:, 2], 0.5 * (stress[:, 0] + stress[:, 1])
         held = stress[:, kind.held[0]] if kind.held and self.drainage == "undrained" else np.zeros(len(axial))
         least, _, most = np.linalg.eigvalsh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]).T
-        sine = np.clip((most - least) / np.where(most + least > 0.0, most + least, np.inf), 0.0, 1.0)
+        some = most + least > LEAST_SHARE * self.consolidation  # next to no stress has no angle
+        sine = np.clip((most - least) / np.where(some, most + least, np.nan), 0.0, 1.0)
         return {
             "axial_strain": strain[:, 2], "volumetric_strain": strain[:, :3].sum(axis=1),
             "shear_strain": self.strain[:, 5], "p_Pa": stress[:, :3].mean(axis=1), "q_Pa": axial - radial,

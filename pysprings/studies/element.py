@@ -381,7 +381,7 @@ class Outcome:
             row = {"test": name, "drainage": curve.drainage, "stress": curve.consolidation, "stopped": curve.stopped}
             row |= {"peak": columns[measured[0]][at], "at": columns[strain][at], "end": columns[measured[0]][-1]}
             if not request.stratum.total_stress:
-                row |= {"angle": np.degrees(columns["mobilised_angle_rad"].max())}
+                row |= {"angle": np.degrees(np.nanmax(columns["mobilised_angle_rad"]))}
             row |= {"volume": columns["volumetric_strain"][-1], "pressure": columns["pore_pressure_Pa"][-1]}
             if request.tests:
                 parts = residuals(request.tests[k], curve, request.kind, request.undrained)

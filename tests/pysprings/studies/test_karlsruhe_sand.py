@@ -7,6 +7,7 @@ defaults from these very tests: what stands here is how well one set of constant
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -142,3 +143,10 @@ def test_keys_fitted_to_each_test_bring_all_within_a_tenth() -> None:
             for table in (found.curves[0].columns(), each.columns)
         )
         assert abs(volume - measured) < 0.015, each.name
+
+
+def test_sand_without_effective_stress_has_no_mobilised_angle() -> None:
+    """Very loose sand that mobilises slowly loses all of it at constant volume: 90 degrees were printed."""
+    stratum = replace(layer(0.2), values=layer(0.2).values | {"mobilisation_strain": 0.088})
+    (row,) = run(Request(stratum, "triaxial", 1.0, undrained=True, stresses=(50e3,))).rows
+    assert row["end"] < 1e3 and 25.0 < row["angle"] < 34.0
