@@ -16,6 +16,8 @@ import pytest
 
 from pysprings.model.element import KINDS, Curve, element_test, specimen
 from pysprings.scene.ground import Stratum
+from pysprings.scene.soils.sand import mobilisation
+from pysprings.site.correlations import SOFTEST
 from pysprings.studies.element import LabTest, Request, read_tests, run
 from tests.support import tiny
 
@@ -132,17 +134,21 @@ def test_keys_fitted_to_a_test_bring_it_within_a_tenth() -> None:
 
 @pytest.mark.slow
 def test_keys_fitted_to_each_test_bring_all_within_a_tenth() -> None:
-    """Volume at 10 %, too, within 1 % of strain."""
+    """Volume at 10 %, too, within 1 % of strain; the scatter of B is the low end that `pysprings ground` proposes."""
+    ratios = []
     for each, density in lab_tests():
         found = run(
             Request(layer(density), "triaxial", 1.0, tests=(each,), keys=("relative_density", "mobilisation_strain"))
         )
-        assert found.rows[0]["away"] < 0.1, each.name
+        assert found.fit is not None and found.rows[0]["away"] < 0.1, each.name
+        fitted = {key.key: key.value for key in found.fit.keys}
+        ratios.append(fitted["mobilisation_strain"] / mobilisation(fitted["relative_density"]))
         volume, measured = (
             np.interp(0.1, table["axial_strain"], table["volumetric_strain"])
             for table in (found.curves[0].columns(), each.columns)
         )
         assert abs(volume - measured) < 0.015, each.name
+    assert np.percentile(ratios, [10.0, 50.0, 90.0]) == pytest.approx([0.64, 1.0, SOFTEST], abs=0.05)
 
 
 def test_sand_without_effective_stress_has_no_mobilised_angle() -> None:
