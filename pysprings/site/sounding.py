@@ -104,6 +104,9 @@ def sounding(
         message = f"{name}: {int(good.sum())} rows with depth and cone resistance: a CPT needs three at least"
         raise UserInputError([Problem(place, message=message)])
     notes += _order(place, name, depth[good])
+    if count := int((cone < 0.0).sum()):
+        least = f"{1e-3 * np.nanmin(cone):.3g} kPa"
+        notes.append(f"{count} cone resistances are negative, down to {least}: is the zero of the cone right?")
     sleeve = np.where(np.isfinite(channel["fs"]), channel["fs"], channel["Rf"] * cone)
     if count := int((sleeve[good] <= 0.0).sum()):
         notes.append(f"{count} rows without positive sleeve friction have no I_c")

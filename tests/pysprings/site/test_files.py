@@ -223,6 +223,12 @@ def test_pore_pressures_that_are_nothing_are_remarked_on(tmp_path) -> None:
     assert any("u2 is below 2% of the hydrostatic pressure everywhere" in each for each in test.notes)
 
 
+def test_a_cone_whose_zero_is_off_is_remarked_on(tmp_path) -> None:
+    text = "z [m],qc [MPa],fs [MPa]\n0.5,-0.12,0.001\n" + "".join(f"{z},{z - 0.3},0.01\n" for z in (1, 2, 3))
+    (test,) = read(tmp_path, "a.csv", text).soundings
+    assert "1 cone resistances are negative, down to -120 kPa: is the zero of the cone right?" in test.notes
+
+
 def test_points_above_mudline_are_noted(tmp_path) -> None:
     with pytest.warns(UserWarning, match="1 rows without a depth of 0 or more are not used"):
         points = read(tmp_path, "a.csv", "Depth [m],su [kPa]\n-1,10\n1,20\n").points
