@@ -222,7 +222,8 @@ _ALPHA = Range(0.2, 1.0)
 
 def implausible(scene: SceneSections) -> list[str]:
     """Return a sentence for each number of a scene that is beyond its common range."""
-    found = [*_of_sections(scene), *_odd_paths(scene)]
+    found = [f"layer '{layer.name}': {layer.remark}" for layer in scene.soil.layers if layer.remark]
+    found += [*_of_sections(scene), *_odd_paths(scene)]
     for stratum in (each for each in scene.ground.strata if not each.like):
         found += [*_of_stratum(stratum, scene.drainage.mode)]
         found += _of_clay(scene, stratum) if stratum.total_stress else ()

@@ -74,7 +74,7 @@ _STRESSES = (
 )  # fmt: skip
 _UNUSED = (
     "water content", "w", "liquid limit", "plastic limit",
-    "void ratio", "location identifier", "location", "borehole", "remark", "remarks", "comment", "comments",
+    "void ratio", "location identifier", "location", "borehole", "remarks", "comment", "comments",
     "description", "source",
 )  # fmt: skip
 _SKIPPED = {
@@ -93,11 +93,12 @@ _STIFF = ("young_modulus", "shear_modulus", "rigidity_ratio")
 _STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion", DENSITY)
 # of the name of a column: key, estimate, end
 _PARTS = re.compile(rf"(.+?)(?: ({'|'.join(ESTIMATES)}))?(?: (from|to))?")
-_MARK = re.compile(r"layer \d+: \S+(?= outside the range of )")  # of a remark that `pysprings ground` writes
 _PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
 # behind the key in the names of columns
 _COLUMN_PARTS = ("from", "to", *(f"{each}{end}" for each in ESTIMATES for end in ("", " from", " to")))
 MOST_LAYERS = 100
+REMARK, MOST_WORDS = "remark", 200  # of a layer, letters
+WORDS = ("name", "law", REMARK)
 
 
 def field_of(key: str) -> Quantity | Number:
@@ -116,9 +117,9 @@ def field_of(key: str) -> Quantity | Number:
 @cache
 def columns() -> tuple[Column, ...]:
     """Return the columns of a table of layers; a value has those of its ends, and of its range, too."""
-    out = [Column(key, TEXT, NAMES[key]) for key in ("name", "law")]
+    out = [Column(key, TEXT, NAMES.get(key, ())) for key in WORDS]
     for key in dict.fromkeys([*NAMES, *BY_LAYER]):
-        if key in ("name", "law"):
+        if key in WORDS:
             continue
         field, names = field_of(key), NAMES.get(key, ())
         unit, percent = ("1", 1.0 if key == "plasticity_index" else 0.01) if isinstance(field, Number) else ("", 0.0)
@@ -153,9 +154,11 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     _split_pairs(table)
     _leave_out_words(table)
     _check_columns(table, soil)
-    values = {name: table.numbers(name, most=False) for name in table.columns if name not in ("name", "law")}
+    values = {name: table.numbers(name, most=False) for name in table.columns if name not in WORDS}
     ends = row_ends(table, values)
     layers = [_layer(table, values, k) for k in range(len(table))]
+    for layer, text in zip(layers, table.texts(REMARK) if "top" in table else (), strict=False):
+        layer |= {REMARK: text[:MOST_WORDS]} if text else {}
     if "depth" in table and "top" not in table:
         table.faults.stop()
         layers, ends = between(table, layers, ends[0])
@@ -171,9 +174,6 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
         if DENSITY in layer and not _is_sand(layer, soil):
             del layer[DENSITY]
             beside.append(str(layer.get("name", k + 1)))
-    if marks := [each[0] for each in map(_MARK.match, table.comments) if each and _is_used(each.string)]:
-        text = f"outside the range of their correlations, by the remarks below the table: {'; '.join(marks)}"
-        warnings.warn(f"{table.place}: {text}", TableNote, stacklevel=2)
     if beside:
         text = f"relative density of {', '.join(beside)} (law sand has no other strength beside it)"
         warnings.warn(f"{table.place}: not used: {text}", TableNote, stacklevel=2)
@@ -187,11 +187,6 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
                 if isinstance(each, dict):
                     each["to"] = show(float(ends[1][-1]), "m")
     return layers
-
-
-def _is_used(mark: str) -> bool:
-    """Return whether a value has a correlation that is outside its range, and not left out."""
-    return mark.count(" of the rows") > mark.count(" of the rows, left out")
 
 
 def _assumed(head: Sequence[str]) -> Mapping[str, str]:

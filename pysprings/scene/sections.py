@@ -200,6 +200,7 @@ class LayerPlace(Section):
         str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)
     ] = None
     drainage: Annotated[str | None, _DRAINED] = None
+    remark: Annotated[str | None, Text("what a reader of results has to know of its values", optional=True)] = None
 
 
 _NOT_BY_LAYER = ("yield_surface", "surcharge")

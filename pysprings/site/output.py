@@ -3,7 +3,6 @@
 
 import csv
 import io
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,6 @@ import numpy as np
 
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import UserInputError
-from pysprings.core.tables import TableNote
 from pysprings.core.text import one_line
 from pysprings.core.units import read, si_of
 from pysprings.core.words import ESTIMATES
@@ -151,16 +149,30 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
             for end, word in ((0, " from"), (1, " to")) if by_depth else ((0, ""),):
                 estimate = f" {ESTIMATES[k]}" if ranged else ""
                 heads.append((f"{shown.head}{estimate}{word} [{shown.unit}]", key, k, end))
-    table: list[list[Any]] = [["Depth from [m]", "Depth to [m]", "Soil type", "law", *(head[0] for head in heads)]]
+    marked = any(map(_mark, proposal.units))
+    table: list[list[Any]] = [
+        ["Depth from [m]", "Depth to [m]", "Soil type", "law", *(head[0] for head in heads), *["Remark"] * marked]
+    ]
     for unit, each in zip(proposal.units, values, strict=True):
         row = [_rounded(each[key].lines[k, end] * VALUES[key].factor) if key in each else None
                for _, key, k, end in heads]  # fmt: skip
-        table.append([unit.top, unit.bottom, unit.name, unit.law, *row])
+        table.append([unit.top, unit.bottom, unit.name, unit.law, *row, *[_mark(unit) or None] * marked])
     sources = [f"layer {k}, {shown.symbol}: {'; '.join(value.sources)}"
                for k, unit in enumerate(proposal.units, start=1) for key, shown, value in _of(unit)
                if key in unit.written]  # fmt: skip
     head = f"proposed by pysprings ground from {', '.join(files)}: to be read and edited before a run"
     return [*table, *([f"# {one_line(text)}"] for text in [head, *sources, *remarks(proposal)])]
+
+
+def _mark(unit: Unit) -> str:
+    """Return what results of a layer have to state: values that stand on correlations outside their range."""
+    odd = [shown.symbol for key, shown, value in _of(unit) if key in unit.written and _beyond(value)]
+    return f"{', '.join(odd)} outside the range of their correlations" if odd else ""
+
+
+def _beyond(value: Value) -> bool:
+    """Return whether a correlation that counts is outside its range."""
+    return any(not each.endswith("left out") for each in value.outside)
 
 
 def write_table(rows: Sequence[Sequence[Any]], path: Path) -> None:
@@ -190,9 +202,7 @@ def faults_of(path: Path) -> list[str]:
     from pysprings.scene.profile_table import read_layers
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", TableNote)  # remarks that are printed already
-            read_layers(path)
+        read_layers(path)
     except UserInputError as error:
         return [str(each) for each in error.problems]
     return []

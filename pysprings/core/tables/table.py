@@ -83,7 +83,6 @@ class Table:
     columns: dict[str, tuple[int, Heading]] = field(default_factory=dict)
     style: Style = field(default_factory=Style)
     wrong: set[str] = field(default_factory=set)
-    comments: list[str] = field(default_factory=list)
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns
@@ -228,7 +227,6 @@ def _table(sheet: Sheet, known: Headings, faults: Faults, reshape: Reshape | Non
         head, body = reshape(head, body)
     numbers = np.array([number for number, _ in body], dtype=np.int64)
     table = Table(sheet.place, head, [cells for _, cells in body], numbers, faults, line)
-    table.comments = [text_of(each[1][0]).lstrip("# ") for each in lines[used:] if _is_comment(each)]
     _refuse_merged(table, sheet)
     _read_head(table, known)
     _refuse_hidden(table, sheet)

@@ -12,14 +12,13 @@ import numpy as np
 import openpyxl
 import pytest
 
-from pysprings.core.tables import TableNote
+from pysprings.scene.defaults import implausible
 from pysprings.scene.load import parse_scene
 from pysprings.scene.profile_table import read_layers
 from pysprings.scene.soils import SOIL_LAWS
 from tests.support.commands import command
 
 GAMMA = 9.81e3
-pytestmark = pytest.mark.filterwarnings("ignore:.*outside the range of their correlations")
 
 
 def sand_over_clay(rows: int = 1000, seed: int = 3) -> str:
@@ -359,10 +358,15 @@ def test_marks_of_rows_outside_the_range_of_a_correlation(cpt) -> None:
 
 
 def test_marks_of_the_table_are_read_with_it(cpt, tmp_path) -> None:
+    """They stand in the row: a person who splits or moves a layer takes them along, and a scene remarks on them."""
     for name in ("site.csv", "site.xlsx"):
         assert command("ground", cpt, "--out", tmp_path / name, "--no-figures").code == 0
-        with pytest.warns(TableNote, match=r"outside the range of their correlations.*: layer 1: D_r"):
-            read_layers(tmp_path / name)
+        sand, *_, clay = read_layers(tmp_path / name)
+        assert sand["remark"] == "D_r, G_ur/G_0, B outside the range of their correlations" and "remark" not in clay
+    text = f'[soil]\nprofile = "{tmp_path / "site.csv"}"\n[[path]]\nname = "a"\nkind = "pull"\n'
+    scene = parse_scene(text + 'lateral_displacement = "1 mm"\n', str(tmp_path / "a.toml"))
+    assert f"layer '{scene.soil.layers[0].name}': {sand['remark']}" in implausible(scene)
+    assert parse_scene(scene.to_toml()).soil.layers[0].remark == sand["remark"]
 
 
 def test_a_line_through_0_has_the_range_of_its_other_points(tmp_path) -> None:
