@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The linear system of a Fourier model with the soil at rest, everything eliminated but the interface.
 
-Drained, `SoilAtRest` has the factors of every harmonic. With water, `WetAtRest` solves, harmonic by harmonic,
+Drained, `SoilAtRest` has the factors of every harmonic. With water these are factors, made anew for each time step, of
 
     [ K   -Q                  ] [u]
     [-Q^T -(S + dt (H + T))   ] [p]      T : transfer of the interface, the same whether it is open or closed
 
-without ever factorising that matrix: the factors of K serve all time steps. With the displacements I of the interface
-held, G = Q^T K^-1 Q is made once (dense, the pressures of one harmonic), and a time step costs a Cholesky
-factorisation of W = S + dt (H + T) + G. What is left are I and the pressures of the film.
+where the displacements of the interface and the pressures of the film stay.
 
 Linear elements may stand between the stations of the interface and the border (`BesideLinear`). The stations join
 soil and linear elements by their jumps j alone. With A what the soil at rest leaves to its side of the interface, C the
@@ -23,19 +21,19 @@ dense.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.linalg import lapack
 from scipy.sparse import coo_matrix, csr_matrix
 
-from fe_engine.assembly.fourier_pattern import FourierPattern, held_pressures
+from fe_engine.assembly.fourier_pattern import FourierPattern, held_pressures, hold
 from fe_engine.assembly.fourier_water import FourierWater
-from fe_engine.assembly.harmonic_factors import HarmonicFactors
+from fe_engine.assembly.harmonic_factors import HarmonicFactors, Part, order_of
 from fe_engine.errors import LinearSolverError
 from fe_engine.fourier_model import FourierModel
 from fe_engine.state import Fields
+
+_GIVES_WAY = 1.0e-3  # S times the modulus of the soil, from which on pivots of the water have a size in any order
 
 
 class AtRest(Protocol):
@@ -43,14 +41,13 @@ class AtRest(Protocol):
 
     Attributes
     ----------
-    matrix : (m, m) what the elimination leaves to the interface.
+    factors : of the soil; matrix : (m, m) what the elimination leaves to the interface.
     uneven : whether rows of the interface differ in size by so much that they have to be scaled.
-    local : where the factors of the soil may be gone through apart, for few nodes; None with water, which joins all.
     """
 
+    factors: HarmonicFactors
     matrix: np.ndarray
     uneven: bool
-    local: Local | None
 
     def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
         """Eliminate rhs (n_free,): return what `backward` needs, and what is left (m,) for the interface."""
@@ -58,176 +55,139 @@ class AtRest(Protocol):
     def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
         """Return the unknowns (n_free,), those of the interface (m,) being known; uses up ``swept``."""
 
-
-class Local(Protocol):
-    """What stands between both ways through the factors of the soil."""
-
     def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
         """Return what `follow` needs, and the load (m,) of the interface, of what the factors leave (nk, 3, K)."""
 
     def follow(self, kept: Any, interface: np.ndarray) -> np.ndarray:
-        """Return the motions (nk, 3, K) of the soil's retained nodes, the unknowns of the interface (m,) known."""
+        """Return the unknowns (nk, 3, K) of the soil's retained nodes, those of the interface (m,) being known."""
 
 
 class SoilAtRest:
-    """Drained: see `AtRest`."""
+    """Soil alone beside the interface: see `AtRest`.
 
-    uneven = False
+    factors : of n nodes of displacements, and of pressures as nodes with one row each.
+    inside : (nk, 3, K) where unknowns of retained nodes stand in the interface, or -1.
+    """
 
-    def __init__(self, factors: HarmonicFactors, pattern: FourierPattern) -> None:
-        self.local: Local | None = self
-        self.factors, self.shape = factors, pattern.held.shape
-        self.inside = pattern.place[pattern.retained]
-        self._free = self.inside >= 0
+    def __init__(self, factors: HarmonicFactors, inside: np.ndarray, n: int) -> None:
+        self.factors, self.inside, self.n = factors, inside, n
+        self.uneven = factors.n_nodes > n
+        self._free = inside >= 0
         size = int(np.count_nonzero(self._free))
         self.matrix = np.zeros((size, size))
-        for m in range(self.shape[2]):
-            at, n = self.inside[..., m].ravel(), len(factors.schur)
-            block = factors.schur[m if m < n else m - n + 1]
+        for m in range(factors.n_waves):
+            at, half = inside[..., m].ravel(), len(factors.schur)
+            block = factors.schur[m if m < half else m - half + 1]
             free = at >= 0
             self.matrix[np.ix_(at[free], at[free])] = block[np.ix_(free, free)]
 
     def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
-        swept, left = self.factors.forward(rhs.reshape(self.shape))
+        whole = np.zeros((self.factors.n_nodes, 3, self.factors.n_waves))
+        move = whole[: self.n]
+        move[...] = rhs[: move.size].reshape(move.shape)
+        whole[self.n :, 0] = rhs[move.size :].reshape(-1, self.factors.n_waves)
+        swept, left = self.factors.forward(whole)
         return swept, left[self._free]
 
     def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
         """See `AtRest`."""
-        return self.factors.backward(swept, self.follow(None, interface)).ravel()
+        whole = self.factors.backward(swept, self.follow(None, interface))
+        return np.concatenate([whole[: self.n].ravel(), whole[self.n :, 0].ravel()])
 
     def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
-        """See `Local`."""
+        """See `AtRest`."""
         return None, left[self._free]
 
     def follow(self, kept: Any, interface: np.ndarray) -> np.ndarray:
-        """See `Local`."""
+        """See `AtRest`."""
         whole = np.zeros(self.inside.shape)
         whole[self._free] = interface
         return whole
 
 
-@dataclass(frozen=True)
-class _Harmonic:
-    """One harmonic at one time step: J (np, 3 nk + nf), W^-1 J, and the lower factor of W."""
+class DrySoil:
+    """Soil without water: stiffness (N + 1, ne, 24, 24) of the elements, and the pattern of its nodes."""
 
-    joint: np.ndarray
-    solved: np.ndarray
-    lower: np.ndarray
+    def __init__(self, model: FourierModel, pattern: FourierPattern, stiffness: np.ndarray) -> None:
+        order = order_of([model.mesh.quads], pattern.retained, np.zeros(model.n_soil, dtype=bool))
+        factors = HarmonicFactors(order, [(model.mesh.quads, stiffness)], pattern.held)
+        self._rest = SoilAtRest(factors, pattern.place[pattern.retained], model.n_soil)
 
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Return W^-1 rhs for rhs (np,); LAPACK itself, since a wrapper costs as much as the solve."""
-        x: np.ndarray = lapack.dpotrs(self.lower, rhs, lower=True)[0]
-        return x
+    def at_rest(self, _time_step: float, _sealed: bool) -> SoilAtRest:
+        """Return the soil at rest, the same at all times."""
+        return self._rest
 
 
 class WetSoil:
-    """What all time steps share: Q, G, and Q with the soil inside eliminated."""
+    """Soil with water: as `DrySoil`; pressures have numbers behind the nodes of the soil.
 
-    def __init__(self, rest: SoilAtRest, water: FourierWater, pattern: FourierPattern) -> None:
-        mesh = water.model.mesh
-        on_axis = mesh.on_axis[mesh.corners]
-        self.rest, self.water = rest, water
-        self.scale = water.water.scale
-        self.n_soil, self.waves = water.n_soil, pattern.held.shape[2]
-        self.free = ~pattern.pressure_held
-        self.sealed = self.free.copy()  # where nothing is held but in dry soil, and what has to vanish on the axis
-        self.sealed[: self.n_soil] = ~held_pressures(water.dry, on_axis, self.waves)
-        self.film_place = pattern.film_place[self.n_soil :]
-        self.size = len(pattern.interface)
-        coupling = folding(pattern) @ water.coupling[: pattern.n_moving, : self.n_soil * self.waves]
-        # Q on free displacements
-        self.coupling = (self.scale * coupling @ _diagonal(self.sealed[: self.n_soil].ravel())).tocsr()
-        self.squeezed = self.coupling.T.tocsr()
-        self.left, self.compliance = self._eliminate()
-        flow, waves = water.seepage + water.exchange, range(self.waves)
-        self.storage, self.flow = ([water.harmonic(each, k) for k in waves] for each in (water.storage, flow))
-
-    def _eliminate(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return Q left to the interface (K, np, 3 nk), and G (K, np, np)."""
-        factors, shape, n = self.rest.factors, self.rest.shape, self.n_soil
-        none = np.zeros((len(factors.retained), *shape[1:]))
-        left = np.empty((self.waves, n, 3 * len(factors.retained)))
-        compliance = np.empty((self.waves, n, n))
-        for j in range(n):
-            unit = np.zeros((n, self.waves))
-            unit[j] = 1.0
-            swept, interface = factors.forward((self.coupling @ unit.ravel()).reshape(shape))
-            inner = factors.backward(swept, none)
-            left[:, j] = interface.reshape(-1, self.waves).T  # Q_I - K_Ii K_ii^-1 Q_i, a row a pressure
-            compliance[:, :, j] = (self.squeezed @ inner.ravel()).reshape(n, self.waves).T  # G = Q^T K^-1 Q
-        return left, 0.5 * (compliance + compliance.transpose(0, 2, 1))
-
-    def harmonic(self, k: int, time_step: float, sealed: bool) -> _Harmonic:
-        """Factorise W of a harmonic and eliminate its pressures; see `WetAtRest`."""
-        n, square = self.n_soil, self.scale**2
-        free = (self.sealed if sealed else self.free)[:, k]
-        whole = (square * (self.storage[k] + time_step * self.flow[k])).toarray()  # S + dt (H + T)
-        matrix = (whole[:n, :n] + self.compliance[k]) * np.outer(free[:n], free[:n])  # W = S + dt (H + T) + G
-        matrix[np.diag_indices(n)] += ~free[:n]
-        joint = np.hstack([self.left[k] * free[:n, None], whole[:n, n:] * np.outer(free[:n], free[n:])])
-        lower, wrong = lapack.dpotrf(np.asfortranarray(matrix), lower=True, overwrite_a=True)
-        if wrong:
-            raise LinearSolverError("the pressures of a harmonic are not held by the soil")
-        return _Harmonic(joint, lapack.dpotrs(lower, joint, lower=True)[0], lower)
-
-
-class WetAtRest:
-    """With water, at one time step (s): see `AtRest`. Where it is ``sealed``, fixed pressures of the soil are free.
-
-    Raises LinearSolverError.
+    modulus : the least K + 4 G/3, Pa.
     """
 
-    uneven = True
-    local: Local | None = None
+    def __init__(
+        self, model: FourierModel, pattern: FourierPattern, stiffness: np.ndarray, water: FourierWater, modulus: float
+    ) -> None:
+        self._pattern, self._stiffness, self._water, self.n = pattern, stiffness, water, model.n_soil
+        mesh, film, n = model.mesh, np.arange(water.n_soil, model.n_pressures), model.n_soil
+        self._on_axis = mesh.on_axis[mesh.corners]
+        self._coupled = np.hstack([mesh.quads, n + water.corner])
+        self._axis = np.hstack([pattern.axis[mesh.quads], np.zeros(water.corner.shape, dtype=bool)])
+        pairs = coo_matrix(water.harmonic(water.exchange, 0))
+        self._pairs = np.stack([pairs.row, pairs.col], axis=1)[pairs.row < pairs.col]
+        inside = np.full((len(film), 3, pattern.held.shape[2]), -1)
+        inside[:, 0] = pattern.film_place[film]
+        self._inside = np.concatenate([pattern.place[pattern.retained], inside])
+        retained = np.concatenate([pattern.retained, n + film])
+        pressures = np.arange(n + model.n_pressures) >= n
+        pressures[retained] = False
+        stiff = water.water.storage * modulus < _GIVES_WAY
+        # the retained share rows, whether or not water goes through the interface
+        self._order = order_of([self._coupled, n + self._pairs, retained[None]], retained, pressures, stiff)
 
-    def __init__(self, soil: WetSoil, time_step: float, sealed: bool = False) -> None:
-        self.soil, self._rest = soil, soil.rest
-        self._free = soil.sealed[: soil.n_soil] if sealed else soil.free[: soil.n_soil]
-        self._harmonics = [soil.harmonic(k, time_step, sealed) for k in range(soil.waves)]
-        self.matrix = np.zeros((soil.size, soil.size))
-        m = len(self._rest.matrix)
-        self.matrix[:m, :m] = self._rest.matrix
-        self._places, inside, n = [], self._rest.inside, soil.n_soil
-        for k, each in enumerate(self._harmonics):
-            at = np.concatenate([inside[..., k].ravel(), soil.film_place[:, k]])
-            block = each.joint.T @ each.solved  # J^T W^-1 J
-            film = slice(inside[..., k].size, None)
-            block[film, film] -= soil.scale**2 * time_step * soil.flow[k][n:, n:].toarray()
-            free = at >= 0
-            self.matrix[np.ix_(at[free], at[free])] += block[np.ix_(free, free)]
-            self._places.append((at[free], free))
+    def at_rest(self, time_step: float, sealed: bool) -> SoilAtRest:
+        """Return the soil at a time step (s); where it is ``sealed``, fixed pressures of the soil are free.
 
-    def forward(self, rhs: np.ndarray) -> tuple[Any, np.ndarray]:
-        """See `AtRest`."""
-        soil, factors, shape = self.soil, self._rest.factors, self._rest.shape
-        n_u, n_p = int(np.prod(shape)), soil.n_soil * soil.waves
-        swept, left = factors.forward(rhs[:n_u].reshape(shape))
-        inner = factors.backward(swept, np.zeros(left.shape))  # K^-1 f with I held
-        squeezed = (rhs[n_u : n_u + n_p] + soil.squeezed @ inner.ravel()).reshape(-1, soil.waves)
-        squeezed *= self._free
-        film = rhs[n_u + n_p :].reshape(-1, soil.waves)
-        interface, pressure = np.empty(soil.size), np.empty(squeezed.shape)
-        for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
-            pressure[:, k] = each.solve(squeezed[:, k])  # W^-1 (q + Q^T K^-1 f) = -p with I at rest
-            whole = np.concatenate([left[..., k].ravel(), film[:, k]]) - pressure[:, k] @ each.joint
-            interface[at] = whole[free]
-        return (inner, pressure), interface
+        Raises LinearSolverError.
+        """
+        held = self._held(sealed)
+        return SoilAtRest(HarmonicFactors(self._order, self._parts(time_step, held), held), self._inside, self.n)
 
-    def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
-        """See `AtRest`."""
-        soil, rest = self.soil, self._rest
-        inner, pressure = swept
-        inside = np.zeros(rest.inside.shape)
-        film = np.zeros((len(soil.film_place), soil.waves))
-        for k, (each, (at, free)) in enumerate(zip(self._harmonics, self._places, strict=True)):
-            whole = np.zeros(len(free))
-            whole[free] = interface[at]
-            pressure[:, k] = -pressure[:, k] - each.solved @ whole  # p of the motion of I and of the film
-            inside[..., k], film[:, k] = whole[: inside[..., k].size].reshape(-1, 3), whole[inside[..., k].size :]
-        again, _ = rest.factors.forward((soil.coupling @ pressure.ravel()).reshape(rest.shape))  # u = K^-1 (f + Q p)
-        move = inner + rest.factors.backward(again, inside)
-        return np.concatenate([move.ravel(), pressure.ravel(), film.ravel()])
+    def _held(self, sealed: bool) -> np.ndarray:
+        """Return whether each unknown (n + np, 3, K) is held; rows of the pressures but the first are."""
+        still = self._pattern.pressure_held.copy()
+        if sealed:  # where nothing is held but in dry soil, and what has to vanish on the axis
+            still[: self._water.n_soil] = held_pressures(self._water.dry, self._on_axis, still.shape[1])
+        pressures = np.ones((len(still), 3, still.shape[1]), dtype=bool)
+        pressures[:, 0] = still
+        return np.concatenate([self._pattern.held, pressures])
+
+    def _parts(self, time_step: float, held: np.ndarray) -> list[Part]:
+        """Return the parts of the matrix: K, -Q and -(S + dt (H + T)), pressures in their scale."""
+        water, stiffness = self._water, self._stiffness
+        waves, scale, square = len(stiffness), water.water.scale, water.water.scale**2
+        soil = np.zeros((waves, len(self._coupled), 36, 36))
+        soil[:, :, :24, :24] = stiffness
+        soil[:, :, :24, 24::3] = -scale * water.pores.coupling[:waves]
+        soil[:, :, 24::3, :24] = soil[:, :, :24, 24::3].transpose(0, 1, 3, 2)
+        soil[:, :, 24::3, 24::3] = -square * (water.pores.storage[:waves] + time_step * water.pores.seepage[:waves])
+        parts = [(self._coupled, soil), *self._transfer(square * time_step, waves)]
+        for elements, matrices in parts:
+            axis = self._axis if elements is self._coupled else np.zeros(elements.shape, dtype=bool)
+            hold(matrices, held[elements], axis)
+        return parts
+
+    def _transfer(self, factor: float, waves: int) -> list[Part]:
+        """Return the parts of -T times a factor: what two pressures have in common, and each alone."""
+        if not len(self._pairs):
+            return []
+        alone = np.arange(self._pairs.max() + 1)[:, None]
+        between, own = np.zeros((waves, len(self._pairs), 6, 6)), np.zeros((waves, len(alone), 3, 3))
+        for k in range(waves):
+            transfer = -factor * self._water.harmonic(self._water.exchange, k)
+            between[k, :, 0, 3] = between[k, :, 3, 0] = transfer[tuple(self._pairs.T)]
+            own[k, :, 0, 0] = transfer.diagonal()[: len(alone)]
+        return [(self.n + self._pairs, between), (self.n + alone, own)]
 
 
 class LinearElements:
@@ -296,8 +256,7 @@ class BesideLinear:
 
     def __init__(self, soil: AtRest, linear: LinearElements, pattern: FourierPattern) -> None:
         self.soil, self.linear = soil, linear
-        self.uneven, self._local = soil.uneven, soil.local
-        self.local: Local | None = self if soil.local else None
+        self.factors, self.uneven = soil.factors, soil.uneven
         self._n_moving, self._joined = pattern.n_moving, pattern.beyond >= 0
         self._beyond = pattern.beyond[self._joined] - linear.first
         harmonic = pattern.interface % pattern.held.shape[2]
@@ -329,14 +288,12 @@ class BesideLinear:
         return np.concatenate([soil[:first], self.linear.move(force), soil[first:]])
 
     def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
-        """See `Local`."""
-        assert self._local is not None
-        return self._loaded(np.zeros(self._n_moving - self.linear.first), self._local.lead(left)[1])
+        """See `AtRest`."""
+        return self._loaded(np.zeros(self._n_moving - self.linear.first), self.soil.lead(left)[1])
 
     def follow(self, kept: Any, interface: np.ndarray) -> np.ndarray:
-        """See `Local`."""
-        assert self._local is not None
-        return self._local.follow(None, self._reduced @ (interface + kept[1]))
+        """See `AtRest`."""
+        return self.soil.follow(None, self._reduced @ (interface + kept[1]))
 
     def _loaded(self, force: np.ndarray, left: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
         """Return f_s + f_t and d for forces f_t on the linear elements, and the load of the interface; in place."""

@@ -16,9 +16,8 @@ from fe_engine.assembly import fourier_kernels as kernels
 from fe_engine.assembly.bordered import Residual, summary
 from fe_engine.assembly.fourier_film import FilmState
 from fe_engine.assembly.fourier_pattern import hold, make_pattern
-from fe_engine.assembly.fourier_rest import AtRest, BesideLinear, LinearElements, SoilAtRest, WetAtRest, WetSoil
+from fe_engine.assembly.fourier_rest import AtRest, BesideLinear, DrySoil, LinearElements, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
-from fe_engine.assembly.harmonic_factors import HarmonicFactors
 from fe_engine.assembly.kernels import SoilState
 from fe_engine.assembly.kernels_stations import ContactState, PackedStations, no_iterate, pack_stations
 from fe_engine.clock import Clock
@@ -71,14 +70,13 @@ class FourierSystem:
         )  # fmt: skip
         self.soil_forces = kernels.soil_forces_of(self.soil.law)
         self.pattern = make_pattern(model)
-        self.factors = self._factorise(gradient, volume)
         self.stations = pack_stations(model)
         self.contact = _contact(model, self.stations)
         self.water = None if model.water is None else FourierWater(model, self.contact)
         self.linear = None if model.linear is None else LinearElements(model, self.pattern)
-        alone = self.pattern.of_soil(model.n_soil)
-        self._soil_rest = SoilAtRest(self.factors, alone)
-        self._wet_soil = None if self.water is None else WetSoil(self._soil_rest, self.water, alone)
+        soil = model, self.pattern.of_soil(model.n_soil), self._stiffness(gradient, volume)
+        modulus = float((self.soil.moduli @ (1.0, 4.0 / 3.0)).min())  # K + 4 G/3
+        self._at_rest = DrySoil(*soil) if self.water is None else WetSoil(*soil, self.water, modulus)
         self._rest: tuple[tuple[float, bool], AtRest] | None = None
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
         self.is_pressure[self.pattern.n_moving :] = True
@@ -89,8 +87,8 @@ class FourierSystem:
         self._iterate = no_iterate(ns)
         self.initial_contact_norm = self._contact_norm(np.zeros((ns, 3)))
 
-    def _factorise(self, gradient: np.ndarray, volume: np.ndarray) -> HarmonicFactors:
-        """Factorise the soil at rest."""
+    def _stiffness(self, gradient: np.ndarray, volume: np.ndarray) -> np.ndarray:
+        """Return the stiffness (N + 1, ne, 24, 24) of the elements at rest by harmonic, 0 in what is held."""
         model, p = self.model, self.pattern
         moduli, number = np.unique(self.soil.moduli.reshape(-1, 2), axis=0, return_inverse=True)
         each_point = np.array([_elastic(*each) for each in moduli])[number.ravel()]  # C of each pair of K and G
@@ -99,15 +97,13 @@ class FourierSystem:
             [elements.stiffness(gradient, volume, tangent, k, model.whole) for k in range(model.harmonics + 1)]
         )
         hold(stiffness, p.held[model.mesh.quads], p.axis[model.mesh.quads])
-        return HarmonicFactors(model.mesh.quads, p.retained, stiffness, p.held[: model.n_soil])
+        return stiffness
 
     def at_rest(self, time_step: float) -> AtRest:
         """Return the linear system with the soil at rest; with water it is made anew for each new time step (s)."""
-        wanted = (0.0, False) if self._wet_soil is None else (time_step, self.sealed)
+        wanted = (0.0, False) if self.water is None else (time_step, self.sealed)
         if self._rest is None or self._rest[0] != wanted:
-            soil: AtRest = self._soil_rest
-            if self._wet_soil is not None:
-                soil = WetAtRest(self._wet_soil, *wanted)
+            soil = self._at_rest.at_rest(*wanted)
             self._rest = wanted, soil if self.linear is None else BesideLinear(soil, self.linear, self.pattern)
         return self._rest[1]
 

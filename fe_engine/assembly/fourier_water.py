@@ -29,7 +29,8 @@ class FourierWater:
     ----------
     coupling : (n_u, n_p) Q in m2; seepage : (n_p, n_p) in m3/(Pa s); storage : (n_p, n_p) in m3/Pa.
     exchange : (n_p, n_p) m3/(Pa s), transfer between soil and film.
-    dry : (n_soil,) bool, corners of elements without water alone.
+    dry : (n_soil,) bool, corners of elements without water alone; corner : (ne, 4) pressures of the elements.
+    pores : matrices of the elements.
     """
 
     def __init__(self, model: FourierModel, contact: Contact) -> None:
@@ -39,19 +40,19 @@ class FourierWater:
         self.film = fourier_film.pack_film(model)
         self.n_soil = len(mesh.corners)
         self._quads = mesh.quads
-        self._corner = mesh.corner_numbers(mesh.quads[:, :N_CORNERS])
+        self.corner = mesh.corner_numbers(mesh.quads[:, :N_CORNERS])
         self.dry = np.zeros(self.n_soil, dtype=bool)
         if self.water.wet is not None:
             self.dry[:] = True
-            self.dry[self._corner[self.water.wet]] = False
+            self.dry[self.corner[self.water.wet]] = False
         matter = self.water.mobility, self.water.storage
         parts = pore_matrices(mesh.nodes, mesh.quads, model.harmonics, *matter, model.whole)
-        parts = parts.only(self.water.wet)
-        self._seepage, self._swelling = parts.seepage, parts.coupling.sum(axis=-1)
+        self.pores = parts = parts.only(self.water.wet)
+        self._swelling = parts.coupling.sum(axis=-1)
         k = np.arange(self._waves)[:, None, None]
         ne = mesh.n_elements
         moves = (3 * mesh.quads[:, :, None] + np.arange(3)).reshape(ne, -1) * self._waves + k
-        presses = self._corner * self._waves + k
+        presses = self.corner * self._waves + k
         shape = int(np.prod(model.displacement_shape)), model.n_pressures * self._waves
         self.coupling = _assembled(parts.coupling, moves, presses, shape)
         self.seepage = _assembled(parts.seepage, presses, presses, (shape[1], shape[1]))
@@ -112,8 +113,8 @@ class FourierWater:
     def _squares(self, step: Step, state: Fields) -> float:
         """Return sum of squares of the changes of the elements' volumes and of what flows through their corners, m6."""
         move = state.displacement[self._quads].transpose(3, 0, 1, 2).reshape(self._swelling.shape)
-        pressure = state.pressure[self._corner].transpose(2, 0, 1)
-        flow = step.time * np.matmul(self._seepage, pressure[..., None])
+        pressure = state.pressure[self.corner].transpose(2, 0, 1)
+        flow = step.time * np.matmul(self.pores.seepage, pressure[..., None])
         return float(np.sum(np.sum(self._swelling * move, axis=-1) ** 2) + np.sum(flow**2))
 
     def film_matrix(self, state: FilmState, place: np.ndarray, film_place: np.ndarray, out: np.ndarray) -> None:

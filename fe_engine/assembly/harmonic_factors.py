@@ -8,6 +8,8 @@ Each matrix is K = L D L^T with the retained nodes I last. All others are elimin
 
 and their Schur complement S on I stays, dense: whatever is added to S, a solve goes through the factors once in each
 direction. Four harmonics at a time go through the loops, as lanes of a vector; missing ones are unit matrices.
+Pressures are nodes of their own, with one row: each pivot of such a quasi-definite matrix has its sign in any order
+(Vanderbei 1995).
 
 Where the right-hand side has something on few nodes alone, and the unknowns are asked for on these alone, only the
 columns that these nodes depend on are gone through (Gilbert & Peierls 1988), in single precision: see `Near`.
@@ -15,6 +17,7 @@ columns that these nodes depend on are gone through (Gilbert & Peierls 1988), in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -27,6 +30,7 @@ from fe_engine.errors import LinearSolverError
 
 LANES = 4
 _SYMMETRIC = {"SymmetricMode": True}
+Part = tuple[np.ndarray, np.ndarray]  # nodes (ne, nn) and matrices (N + 1, ne, 3 nn, 3 nn) of elements
 # first lane in use, first slot in it, number of slots, L below its diagonal, inverted pivots
 _Group = tuple[int, int, int, np.ndarray, np.ndarray]
 
@@ -51,6 +55,20 @@ class Near(NamedTuple):
     inverse: np.ndarray
 
 
+class Order(NamedTuple):
+    """Where nodes stand in the elimination.
+
+    node : (n,) at each place, ``retained`` (nk,) last; definite : (n,) whether the pivot there is positive.
+    pointer, row : rows (CSC, below the diagonal) of columns of L.
+    """
+
+    node: np.ndarray
+    retained: np.ndarray
+    definite: np.ndarray
+    pointer: np.ndarray
+    row: np.ndarray
+
+
 class HarmonicFactors:
     """Factors for vectors (n, 3, K) on the nodes of a section, K slots (see elements.fourier).
 
@@ -58,40 +76,40 @@ class HarmonicFactors:
 
     Attributes
     ----------
-    retained : (nk,) nodes that are not eliminated; schur : (N + 1, 3 nk, 3 nk) of each
+    n_nodes : n; retained : (nk,) nodes that are not eliminated; schur : (N + 1, 3 nk, 3 nk) of each
         harmonic, three rows a node.
     """
 
-    def __init__(self, elements: np.ndarray, retained: np.ndarray, stiffness: np.ndarray, held: np.ndarray) -> None:
+    def __init__(self, order: Order, parts: Sequence[Part], held: np.ndarray) -> None:
         """Factorise.
 
         Parameters
         ----------
-        elements : (ne, nn) nodes; retained : (nk,) nodes that stay; stiffness : (N + 1, ne, 3 nn, 3 nn) of each
-            harmonic.
+        order : of the elements of all parts; parts : nodes (ne, nn) and matrices (N + 1, ne, 3 nn, 3 nn) of elements.
         held : (n, 3, K) bool, where a unit row and column stand; no stiffness may be there; alike in both families.
         """
-        n_waves, n = len(stiffness), len(held)
-        self.retained, self.n_waves, self._n = retained, held.shape[2], n
-        self._node, self._pointer, self._row = _symbolic(elements, retained, n)
+        n_waves, n = len(parts[0][1]), len(held)
+        self.retained = retained = order.retained
+        self.n_waves, self.n_nodes = held.shape[2], n
+        self._node, self._pointer, self._row = order.node, order.pointer, order.row
         self._place = np.empty(n, dtype=np.int64)
         self._place[self._node] = np.arange(n)
         self._n_eliminated = n - len(retained)
         self._groups: list[_Group] = []
         self.schur = np.empty((n_waves, 3 * len(retained), 3 * len(retained)))
-        numbers = self._place[elements]
         for first in range(0, n_waves, LANES):
             ks = range(first, min(first + LANES, n_waves))
             diagonal, lower = np.zeros((n, 3, 3, LANES)), np.zeros((len(self._row), 3, 3, LANES))
-            for lane, k in enumerate(ks):
-                _assemble(numbers, stiffness[k], self._pointer, self._row, lane, diagonal, lower)
+            for elements, stiffness in parts:
+                for lane, k in enumerate(ks):
+                    _assemble(self._place[elements], stiffness[k], self._pointer, self._row, lane, diagonal, lower)
             unit = np.ones((n, 3, LANES), dtype=bool)
             unit[:, :, : len(ks)] = held[self._node][:, :, first : first + len(ks)]
             node, i, lane_of = np.nonzero(unit)
             diagonal[node, i, i, lane_of] = 1.0
             inverse = np.zeros((self._n_eliminated, 3, 3, LANES))
-            if not _factorise(self._n_eliminated, self._pointer, self._row, diagonal, lower, inverse):
-                raise LinearSolverError("the stiffness of a harmonic is not positive definite")
+            if not _factorise(self._n_eliminated, self._pointer, self._row, order.definite, diagonal, lower, inverse):
+                raise LinearSolverError("the stiffness of a harmonic is not positive definite, or its water not held")
             for lane, k in enumerate(ks):
                 self.schur[k] = self._dense(diagonal[..., lane], lower[..., lane])
             used = self._pointer[self._n_eliminated]
@@ -129,7 +147,7 @@ class HarmonicFactors:
         """Eliminate rhs (n, 3, K): return what `backward` needs, and what is left (nk, 3, K) for the retained nodes."""
         swept, left, (place, columns) = [], np.empty((len(self.retained), 3, self.n_waves)), self._all
         for lane, first, count, lower, inverse in self._groups:
-            x = np.zeros((self._n, 3, LANES))
+            x = np.zeros((self.n_nodes, 3, LANES))
             put(self._node, place, rhs, lane, first, count, x)
             forward(columns, self._pointer, self._row, lower, inverse, x)
             left[:, :, first : first + count] = x[self._n_eliminated :, :, lane : lane + count]
@@ -138,7 +156,7 @@ class HarmonicFactors:
 
     def backward(self, swept: list[np.ndarray], retained: np.ndarray) -> np.ndarray:
         """Return the unknowns (n, 3, K), those of the retained nodes (nk, 3, K) being known; uses up ``swept``."""
-        out, (place, columns) = np.zeros((self._n, 3, self.n_waves)), self._all
+        out, (place, columns) = np.zeros((self.n_nodes, 3, self.n_waves)), self._all
         for (lane, first, count, lower, _), x in zip(self._groups, swept, strict=True):
             x[self._n_eliminated :, :, lane : lane + count] = retained[:, :, first : first + count]
             backward(columns, self._pointer, self._row, lower, x)
@@ -158,14 +176,28 @@ class HarmonicFactors:
         return dense.reshape(3 * size, 3 * size)
 
 
-def _symbolic(elements: np.ndarray, retained: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the node at each place of the elimination, and the rows (CSC, below the diagonal) of columns of L."""
+def order_of(elements: Sequence[np.ndarray], retained: np.ndarray, pressures: np.ndarray, stiff: bool = False) -> Order:
+    """Return the order of the elimination.
+
+    Parameters
+    ----------
+    elements : nodes (ne, nn) that share rows; retained : (nk,) nodes that stay.
+    pressures : (n,) bool, nodes with one row; where water is ``stiff``, each stands right behind the last of the nodes
+        that it shares rows with: alone it would have hardly a pivot.
+    """
+    n, follows = len(pressures), pressures & stiff
     graph = _graph(elements, n)
     last = np.zeros(n, dtype=bool)
     last[retained] = True
-    inner = np.flatnonzero(~last)
-    order = splu(graph[inner][:, inner], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC).perm_c
-    sequence = np.concatenate([inner[np.argsort(order)], retained])
+    lead, inner = np.flatnonzero(~last & ~follows), np.flatnonzero(~last)
+    first = splu(graph[lead][:, lead], permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC)
+    rank = np.full(n, -1)
+    rank[lead] = first.perm_c
+    for each in elements:
+        at = follows[each]
+        np.maximum.at(rank, each[at], np.broadcast_to(rank[each].max(axis=1, keepdims=True), each.shape)[at])
+    rank[follows & (rank < 0)] = n  # beside retained nodes alone
+    sequence = np.concatenate([inner[np.lexsort((follows[inner], rank[inner]))], retained])
     factors = splu(graph[sequence][:, sequence], permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
     # SuperLU numbers a natural order anew, along the tree in which columns depend on each other
     moved = np.argsort(factors.perm_c)
@@ -173,14 +205,15 @@ def _symbolic(elements: np.ndarray, retained: np.ndarray, n: int) -> tuple[np.nd
         raise LinearSolverError("the nodes of the interface are not connected through the soil")
     lower = csc_matrix(factors.L)
     lower.sort_indices()
-    pointer = lower.indptr - np.arange(n + 1)  # the first of each column is its diagonal
-    return sequence[moved], pointer.astype(np.int64), np.delete(lower.indices, lower.indptr[:-1]).astype(np.int32)
+    pointer = (lower.indptr - np.arange(n + 1)).astype(np.int64)  # the first of each column is its diagonal
+    row, node = np.delete(lower.indices, lower.indptr[:-1]).astype(np.int32), sequence[moved]
+    return Order(node, retained, ~pressures[node], pointer, row)
 
 
-def _graph(elements: np.ndarray, n: int) -> csc_matrix:
+def _graph(elements: Sequence[np.ndarray], n: int) -> csc_matrix:
     """Return a matrix (n, n) with entries for nodes that share an element; its dominance avoids cancellation."""
-    nn = elements.shape[1]
-    row, column = np.repeat(elements, nn, axis=1).ravel(), np.tile(elements, (1, nn)).ravel()
+    row = np.concatenate([np.repeat(each, each.shape[1], axis=1).ravel() for each in elements])
+    column = np.concatenate([np.tile(each, (1, each.shape[1])).ravel() for each in elements])
     pairs = coo_matrix((np.ones(len(row)), (row, column)), shape=(n, n)).tocsc()
     pairs.data[:] = -1.0
     heavy = 2.0 * float(np.diff(pairs.indptr).max())
@@ -208,15 +241,15 @@ def _assemble(numbers, stiffness, pointer, row, lane, diagonal, lower):
 
 
 @njit
-def _factorise(n_eliminated, pointer, row, diagonal, lower, inverse):
-    """Eliminate column by column, in place; ``inverse`` gets the inverted pivots. False where one is not positive."""
+def _factorise(n_eliminated, pointer, row, definite, diagonal, lower, inverse):
+    """Eliminate column by column, in place; ``inverse`` gets the inverted pivots. False where one has no such sign."""
     longest = 0
     for j in range(n_eliminated):
         longest = max(longest, pointer[j + 1] - pointer[j])
     column = np.empty((longest, 3, 3, LANES))  # of A, where ``lower`` gets that of L
     for j in range(n_eliminated):
         for k in range(LANES):
-            if not _invert(diagonal[j, :, :, k], inverse[j, :, :, k]):
+            if not _invert(diagonal[j, :, :, k], inverse[j, :, :, k], definite[j]):
                 return False
         start, end = pointer[j], pointer[j + 1]
         for p in range(start, end):
@@ -233,12 +266,17 @@ def _factorise(n_eliminated, pointer, row, diagonal, lower, inverse):
                         lower[p, r, c, k] = total
         for q in range(start, end):
             target = row[q]
+            wide = definite[j] and definite[target]
             _update(lower[q], column[q - start], diagonal[target])
             at = pointer[target]
             for p in range(q + 1, end):
                 while row[at] != row[p]:
                     at += 1
-                _update(lower[p], column[q - start], lower[at])
+                if wide and definite[row[p]]:
+                    _update(lower[p], column[q - start], lower[at])
+                else:  # a pressure has one row
+                    rows, columns, depth = definite[row[p]], definite[target], definite[j]
+                    _update_part(lower[p], column[q - start], lower[at], rows, columns, depth)
     return True
 
 
@@ -253,14 +291,30 @@ def _update(left, right, out):
 
 
 @njit
-def _invert(a, out):
-    """Invert a symmetric positive definite 3 x 3 matrix; False where it is not."""
+def _update_part(left, right, out, rows, columns, depth):
+    """Subtract left right^T, of the first row, column or product alone where there are not three of them."""
+    for r in range(3 if rows else 1):
+        for c in range(3 if columns else 1):
+            for h in range(3 if depth else 1):
+                for k in range(LANES):
+                    out[r, c, k] -= left[r, h, k] * right[c, h, k]
+
+
+@njit
+def _invert(a, out, definite):
+    """Invert a symmetric 3 x 3 matrix; False where it is not positive definite, or has none but a negative first pivot.
+
+    A pressure that is held has a pivot of 1.
+    """
     m00 = a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1]
     m01 = a[0, 2] * a[2, 1] - a[0, 1] * a[2, 2]
     m02 = a[0, 1] * a[1, 2] - a[0, 2] * a[1, 1]
     determinant = a[0, 0] * m00 + a[1, 0] * m01 + a[2, 0] * m02
     minor = a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]
-    if not (a[0, 0] > 0.0 and minor > 0.0 and determinant > 0.0):
+    if definite or a[0, 0] == 1.0:
+        if not (a[0, 0] > 0.0 and minor > 0.0 and determinant > 0.0):
+            return False
+    elif not (a[0, 0] < 0.0 and minor < 0.0 and determinant < 0.0):
         return False
     d = 1.0 / determinant
     out[0, 0], out[0, 1], out[0, 2] = d * m00, d * m01, d * m02

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_engine.assembly import fourier_kernels as kernels, harmonic_factors as factors
-from fe_engine.assembly.fourier_rest import Local
+from fe_engine.assembly.fourier_rest import AtRest
 from fe_engine.assembly.fourier_system import FourierSystem, FourierTangent
 from fe_engine.compiled import njit
 
@@ -39,22 +39,22 @@ class NearProduct:
     """
 
     def __init__(
-        self, system: FourierSystem, tangent: FourierTangent, yielding: tuple[np.ndarray, np.ndarray], rest: Local,
+        self, system: FourierSystem, tangent: FourierTangent, yielding: tuple[np.ndarray, np.ndarray], rest: AtRest,
         interface: Callable[[np.ndarray], np.ndarray],
     ) -> None:  # fmt: skip
         pattern, quads = system.pattern, system.model.mesh.quads
         elements, nodes = yielding
         number = np.zeros(system.model.mesh.n_nodes, dtype=np.int64)
         number[nodes] = np.arange(len(nodes))
-        self._rest, self._interface, self._near = rest, interface, system.factors.near(nodes)
+        self._rest, self._interface, self._near = rest, interface, rest.factors.near(nodes)
         waves = pattern.held.shape[2]
         self._yielding = _Yielding(
             elements, system.soil._replace(quads=number[quads]), tangent.regime, tangent.plastic, pattern.held[nodes],
             np.flatnonzero(pattern.axis[nodes]), np.arange(waves)[pattern.ones],
         )  # fmt: skip
         self._motion = np.empty((len(nodes), 3, waves))
-        self._swept = np.empty((len(self._near.group), system.model.n_soil, 3, factors.LANES), dtype=np.float32)
-        self._left = np.empty((len(system.factors.retained), 3, waves))
+        self._swept = np.empty((len(self._near.group), rest.factors.n_nodes, 3, factors.LANES), dtype=np.float32)
+        self._left = np.empty((len(rest.factors.retained), 3, waves))
         self._inside = np.arange(len(self._left))
 
     def __call__(self, force: np.ndarray) -> np.ndarray:

@@ -154,8 +154,8 @@ class FourierStage:
             forces: np.ndarray = self.system.plastic_product(tangent, p.solve(padded)[:n])[rows]
             return forces
 
-        if not exact and p.rest.local:
-            product = NearProduct(self.system, tangent, yielding, p.rest.local, p.interface)
+        if not exact:
+            product = NearProduct(self.system, tangent, yielding, p.rest, p.interface)
         upper, turns, rhs = np.zeros((most + 1, most)), np.zeros((most, 2)), np.zeros(most + 1)
         basis[0], rhs[0] = v[rows] / size, size
         for k in range(most):
@@ -251,7 +251,8 @@ class Preconditioner:
 
     def interface(self, load: np.ndarray) -> np.ndarray:
         """Return the unknowns (m,) of the interface under its load (m,) alone, unrefined."""
-        return self._applied(np.concatenate([load, np.zeros(self.size - self.n)]))[: self._m]
+        whole = np.concatenate([load, np.zeros(self.size - self.n)])
+        return self._applied(whole if self._row is None else whole * self._row)[: self._m]
 
     def _solved(self, load: np.ndarray) -> np.ndarray:
         """Return the unknowns (m + k,) under loads (m + k,), those of single precision refined once (Wilkinson 1963).

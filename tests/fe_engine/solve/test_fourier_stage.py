@@ -8,7 +8,7 @@ from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.linear.preconditioner import Control
 from fe_engine.solve.fourier_near import NearProduct
 from fe_engine.solve.fourier_stage import Preconditioner, Room
-from tests.support.fourier_models import disc, moved, on_plate
+from tests.support.fourier_models import disc, moved, on_plate, wet
 from tests.support.models import replace
 
 SOFT = (1.0e8, 5.0e7, 0.02)
@@ -23,10 +23,11 @@ def preconditioner(system, tangent, precise):
 @pytest.mark.parametrize("calm", [slice(0), slice(1, None)])
 @pytest.mark.parametrize(("harmonics", "whole", "body"), [
     (2, False, lambda model: model), (5, False, lambda model: model), (2, True, lambda model: model),
-    (4, True, lambda model: model), (2, False, on_plate), (2, True, on_plate),
+    (4, True, lambda model: model), (2, False, on_plate), (2, True, on_plate), (2, False, wet), (5, True, wet),
+    (2, False, lambda model: wet(on_plate(model))), (2, False, lambda model: wet(model, film=False)),
 ])  # fmt: skip
 def test_products_near_what_yields_are_those_of_the_whole(harmonics, whole, body, calm):
-    system, state, rng = moved(body(disc(harmonics, contact=SOFT, skew=True, whole=whole)))
+    system, state, rng = moved(body(disc(harmonics, contact=SOFT, skew=True, whole=whole)), time=0.5)
     _, _, tangent = system.linearise(state, True)
     tangent.regime[system.yielding(tangent)[0][calm]] = REGIME_ELASTIC  # where one element yields others lie on the way
     p, yielding = preconditioner(system, tangent, True), system.yielding(tangent)
@@ -36,7 +37,7 @@ def test_products_near_what_yields_are_those_of_the_whole(harmonics, whole, body
     padded = np.zeros(p.size)
     padded[rows] = force
     whole_product = system.plastic_product(tangent, p.solve(padded)[: system.pattern.n_moving])
-    near = NearProduct(system, tangent, yielding, p.rest.local, p.interface)
+    near = NearProduct(system, tangent, yielding, p.rest, p.interface)
     for _ in range(2):  # the second time with what the first one left in its arrays
         found = near(force)
     np.testing.assert_allclose(found, whole_product[rows], rtol=0, atol=1e-4 * np.abs(whole_product).max())
