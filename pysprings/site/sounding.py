@@ -118,13 +118,8 @@ def sounding(
         notes.append(f"the area ratio {area_ratio:g} of the file is no share of 0.1 to 1: it does not count")
         area_ratio = None
     order = np.flatnonzero(good)[np.argsort(depth[good], kind="stable")]
-    pressure, known = channel["u2"][order], np.isfinite(channel["u2"][order])
-    if known.any() and not known.all():
-        pressure = np.interp(depth[order], depth[order][known], pressure[known], left=np.nan, right=np.nan)
-        notes.append(f"{int((~known).sum())} rows without u2: between its neighbours, beyond them q_t = q_c")
-    if known.any() and np.nanmax(np.abs(pressure)) < LEAST_PRESSURE * WATER * depth[order].max():
-        share = f"{LEAST_PRESSURE:.0%} of the hydrostatic pressure"
-        notes.append(f"u2 is below {share} everywhere: not measured, or its unit?")
+    pressure, found = _pressure(depth[order], channel["u2"][order])
+    notes += found
     if not np.isfinite(pressure).any() and not np.isfinite(channel["qt"]).any():
         notes.append("no pore pressure u2: q_t = q_c, which is too small in soft clay")
     elif area_ratio is None and not np.isfinite(channel["qt"]).any():
@@ -150,6 +145,18 @@ def usable(tests: Iterable[Callable[[], Sounding]]) -> list[Sounding]:
     for problem in wrong:
         warnings.warn(f"left out: {problem}", TableNote, stacklevel=2)
     return found
+
+
+def _pressure(depth: Array, pressure: Array) -> tuple[Array, list[str]]:
+    """Return u2 (n,) Pa with its gaps filled between neighbours, and notes on it."""
+    known, notes = np.isfinite(pressure), []
+    if known.any() and not known.all():
+        pressure = np.interp(depth, depth[known], pressure[known], left=np.nan, right=np.nan)
+        notes.append(f"{int((~known).sum())} rows without u2: between its neighbours, beyond them q_t = q_c")
+    if known.any() and np.nanmax(np.abs(pressure)) < LEAST_PRESSURE * WATER * depth.max():
+        share = f"{LEAST_PRESSURE:.0%} of the hydrostatic pressure"
+        notes.append(f"u2 is below {share} everywhere: not measured, or its unit?")
+    return pressure, notes
 
 
 def _without_voids(place: str, test: str, name: str, values: Array) -> tuple[Array, list[str]]:
