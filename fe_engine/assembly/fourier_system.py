@@ -18,6 +18,7 @@ from fe_engine.assembly.fourier_film import FilmState
 from fe_engine.assembly.fourier_pattern import hold, make_pattern
 from fe_engine.assembly.fourier_rest import AtRest, BesideLinear, DrySoil, LinearElements, WetSoil
 from fe_engine.assembly.fourier_water import FourierWater
+from fe_engine.assembly.harmonic_factors import KEPT_BYTES
 from fe_engine.assembly.kernels import SoilState
 from fe_engine.assembly.kernels_stations import ContactState, PackedStations, no_iterate, pack_stations
 from fe_engine.clock import Clock
@@ -78,6 +79,7 @@ class FourierSystem:
         modulus = float((self.soil.moduli @ (1.0, 4.0 / 3.0)).min())  # K + 4 G/3
         self._at_rest = DrySoil(*soil) if self.water is None else WetSoil(*soil, self.water, modulus)
         self._rest: tuple[tuple[float, bool], AtRest] | None = None
+        self._kept: dict[tuple[float, bool], AtRest] = {}
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
         self.is_pressure[self.pattern.n_moving :] = True
         shape, ns = model.initial_stress.shape[:2], len(model.stations)
@@ -100,12 +102,21 @@ class FourierSystem:
         return stiffness
 
     def at_rest(self, time_step: float) -> AtRest:
-        """Return the linear system with the soil at rest; with water it is made anew for each new time step (s)."""
-        wanted = (0.0, False) if self.water is None else (time_step, self.sealed)
+        """Return the linear system with the soil at rest; with water that of a time step (s), to nine digits.
+
+        Paths take the same time steps: systems are kept as far as there is room for them.
+        """
+        wanted = (0.0, False) if self.water is None else (float(f"{time_step:.9g}"), self.sealed)
         if self._rest is None or self._rest[0] != wanted:
-            soil = self._at_rest.at_rest(*wanted)
-            self._rest = wanted, soil if self.linear is None else BesideLinear(soil, self.linear, self.pattern)
+            self._rest = wanted, self._kept.get(wanted) or self._made(*wanted)
         return self._rest[1]
+
+    def _made(self, time_step: float, sealed: bool) -> AtRest:
+        soil = self._at_rest.at_rest(time_step, sealed)
+        rest = soil if self.linear is None else BesideLinear(soil, self.linear, self.pattern)
+        if (len(self._kept) + 1) * soil.factors.n_bytes <= KEPT_BYTES:
+            self._kept[time_step, sealed] = rest
+        return rest
 
     @property
     def relaxed(self) -> float:

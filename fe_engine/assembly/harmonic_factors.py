@@ -29,6 +29,7 @@ from fe_engine.compiled import njit
 from fe_engine.errors import LinearSolverError
 
 LANES = 4
+KEPT_BYTES = 5.0e8  # of factors with water that a system keeps for further time steps
 _SYMMETRIC = {"SymmetricMode": True}
 Part = tuple[np.ndarray, np.ndarray]  # nodes (ne, nn) and matrices (N + 1, ne, 3 nn, 3 nn) of elements
 # first lane in use, first slot in it, number of slots, L below its diagonal, inverted pivots
@@ -119,6 +120,11 @@ class HarmonicFactors:
                 lane = int(first == 0)
                 self._groups.append((lane, n_waves - 1 + first + lane, len(ks) - lane, *factors))
         self._all = np.arange(n), np.arange(self._n_eliminated)
+
+    @property
+    def n_bytes(self) -> float:
+        """Bytes of the factors, those in single precision included."""
+        return 1.5 * sum(lower.nbytes + inverse.nbytes for *_, lower, inverse in self._groups)
 
     def near(self, nodes: np.ndarray) -> Near:
         """Return what solves for these nodes (p,) need."""

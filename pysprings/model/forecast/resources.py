@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.assembly.fourier_pattern import held_coefficients, held_pressures
-from fe_engine.assembly.harmonic_factors import LANES
+from fe_engine.assembly.harmonic_factors import KEPT_BYTES, LANES
 from fe_engine.elements.fourier import numbers
 from fe_engine.errors import MeshError
 from fe_engine.memory import address_space, left as memory_left, limit as memory_limit
@@ -51,8 +51,8 @@ _SYMMETRIC_ENTRIES = 0.55  # measured (docs/evidence/omissions.md)
 # Entries of the factors of one harmonic by the number of elements, fitted on 59 to 638 of them; numbers that a point of
 # the soil law keeps: a tangent, and stress, history and their copies.
 _SERIES_ENTRIES, _SERIES_EXPONENT, _BYTES_OF_A_POINT = 194.0, 1.256, 60.0
-# Dense matrices of the pressures of each harmonic: compliance, factors, and what stands between them.
-_SERIES_WATER = 5.0
+# With water: blocks of the factors over those without, and time steps whose factors are kept at most.
+_SERIES_WATER, _SERIES_STEPS = 2.2, 24
 # A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
 _COPIES_OF_A_STEP = 3.0
 # NetCDF compresses fields of steps that move to about this share at best.
@@ -161,13 +161,13 @@ def _series_bytes(scene: Scene, size: Size, whole: bool) -> float:
     waves, (m, _) = counts.harmonics + 1, azimuths_of(counts.harmonics, whole)
     slots, lanes = len(numbers(counts.harmonics, whole)), LANES * math.ceil(waves / LANES)
     interface = 3 * slots * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures * slots / waves
-    pressures = _SERIES_WATER * slots * (size.pore_pressures / waves) ** 2
+    factors, steel = 8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT, 0.0
+    if size.pore_pressures:
+        factors *= 1.5 * _SERIES_WATER  # in both precisions
+        factors += min(_SERIES_STEPS * factors, KEPT_BYTES)
     if scene.caisson.behaviour == "elastic":
-        pressures += 2.0 * interface**2 + 2.0 * slots * (2.0 * interface / slots) ** 2  # of the steel
-    return (
-        8.0 * lanes * _SERIES_ENTRIES * float(size.elements) ** _SERIES_EXPONENT
-        + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * (4.0 * interface**2 + pressures)
-    )  # fmt: skip
+        steel = 2.0 * interface**2 + 2.0 * slots * (2.0 * interface / slots) ** 2
+    return factors + 8.0 * 4 * m * size.elements * _BYTES_OF_A_POINT + 8.0 * (4.0 * interface**2 + steel)
 
 
 def _plan(n: int, whole: bool) -> tuple[int, int, int]:

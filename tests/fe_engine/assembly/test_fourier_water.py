@@ -180,3 +180,22 @@ def test_places_of_pressures_are_named():
     assert f"node {model.mesh.corners[3]} of element" in text and "harmonic 1, pore pressure" in text
     assert system.place_of_equation(n + 2 * (corners + 1)) == "film node 1, harmonic 0"
     assert len(system.elements_at(np.array([n + 2 * corners]))) == 0
+
+
+def test_systems_with_water_are_kept_by_time_step_and_made_from_nine_digits_of_it():
+    system, _, rng = moved(wet(disc(2)))
+    rhs = rng.normal(size=system.pattern.n_free)
+    rhs[: system.pattern.n_moving][system.pattern.held.ravel()] = 0.0
+    rhs[system.pattern.n_moving :][system.pattern.pressure_held.ravel()] = 0.0
+
+    def left(time):
+        return system.at_rest(time).forward(rhs.copy())[1]
+
+    first, other, again = left(0.3), left(3.0), left(0.3)
+    np.testing.assert_array_equal(first, again)
+    assert np.abs(other - first).max() > 1e-3 * np.abs(first).max()
+    np.testing.assert_array_equal(left(0.3 * (1.0 + 1e-13)), first)  # whatever was kept before
+    kept, _ = system.at_rest(0.3), system.at_rest(3.0)
+    assert system.at_rest(0.3) is kept
+    fresh = moved(wet(disc(2)))[0]
+    np.testing.assert_array_equal(fresh.at_rest(0.3 * (1.0 + 1e-13)).forward(rhs.copy())[1], first)
