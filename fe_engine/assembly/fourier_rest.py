@@ -134,7 +134,8 @@ class WetSoil:
         self._coupled = np.hstack([mesh.quads, n + water.corner])
         self._axis = np.hstack([pattern.axis[mesh.quads], np.zeros(water.corner.shape, dtype=bool)])
         pairs = coo_matrix(water.harmonic(water.exchange, 0))
-        self._pairs = np.stack([pairs.row, pairs.col], axis=1)[pairs.row < pairs.col]
+        between = np.stack([pairs.row, pairs.col], axis=1)[pairs.row < pairs.col]
+        self._transfer = _transfer(water, between, len(stiffness), n)
         inside = np.full((len(film), 3, pattern.held.shape[2]), -1)
         inside[:, 0] = pattern.film_place[film]
         self._inside = np.concatenate([pattern.place[pattern.retained], inside])
@@ -143,7 +144,7 @@ class WetSoil:
         pressures[retained] = False
         stiff = water.water.storage * modulus < _GIVES_WAY
         # the retained share rows, whether or not water goes through the interface
-        self._order = order_of([self._coupled, n + self._pairs, retained[None]], retained, pressures, stiff)
+        self._order = order_of([self._coupled, n + between, retained[None]], retained, pressures, stiff)
 
     def at_rest(self, time_step: float, sealed: bool) -> SoilAtRest:
         """Return the soil at a time step (s); where it is ``sealed``, fixed pressures of the soil are free.
@@ -171,23 +172,24 @@ class WetSoil:
         soil[:, :, :24, 24::3] = -scale * water.pores.coupling[:waves]
         soil[:, :, 24::3, :24] = soil[:, :, :24, 24::3].transpose(0, 1, 3, 2)
         soil[:, :, 24::3, 24::3] = -square * (water.pores.storage[:waves] + time_step * water.pores.seepage[:waves])
-        parts = [(self._coupled, soil), *self._transfer(square * time_step, waves)]
+        parts = [(self._coupled, soil), *((at, -square * time_step * each) for at, each in self._transfer)]
         for elements, matrices in parts:
             axis = self._axis if elements is self._coupled else np.zeros(elements.shape, dtype=bool)
             hold(matrices, held[elements], axis)
         return parts
 
-    def _transfer(self, factor: float, waves: int) -> list[Part]:
-        """Return the parts of -T times a factor: what two pressures have in common, and each alone."""
-        if not len(self._pairs):
-            return []
-        alone = np.arange(self._pairs.max() + 1)[:, None]
-        between, own = np.zeros((waves, len(self._pairs), 6, 6)), np.zeros((waves, len(alone), 3, 3))
-        for k in range(waves):
-            transfer = -factor * self._water.harmonic(self._water.exchange, k)
-            between[k, :, 0, 3] = between[k, :, 3, 0] = transfer[tuple(self._pairs.T)]
-            own[k, :, 0, 0] = transfer.diagonal()[: len(alone)]
-        return [(self.n + self._pairs, between), (self.n + alone, own)]
+
+def _transfer(water: FourierWater, pairs: np.ndarray, waves: int, n: int) -> list[Part]:
+    """Return the parts of T: what two pressures (m, 2) have in common, and each alone, numbered behind n nodes."""
+    if not len(pairs):
+        return []
+    alone = np.arange(pairs.max() + 1)[:, None]
+    between, own = np.zeros((waves, len(pairs), 6, 6)), np.zeros((waves, len(alone), 3, 3))
+    for k in range(waves):
+        transfer = water.harmonic(water.exchange, k)
+        between[k, :, 0, 3] = between[k, :, 3, 0] = transfer[tuple(pairs.T)]
+        own[k, :, 0, 0] = transfer.diagonal()[: len(alone)]
+    return [(n + pairs, between), (n + alone, own)]
 
 
 class LinearElements:
