@@ -90,10 +90,7 @@ def read(text: str, si_unit: str, example: str = "") -> float:
     si_unit : SI unit of the answer (a key of MEANING), which fixes the dimension, e.g. "Pa"
     example : quantity shown in messages, e.g. "200 MPa"
 
-    Raises
-    ------
-    QuantityError
-        Not `<number> <unit>`, unknown unit, another dimension, not finite.
+    Raises QuantityError: not `<number> <unit>`, unknown unit, another dimension, not finite.
     """
     number, unit = _split(text, example or f"1 {si_unit}")
     try:

@@ -57,10 +57,7 @@ def build_memory(springs: Springs) -> MemorySprings:
     Between two rates, or vertical loads, with rays that turn back they have the elements of both, each with its share;
     beyond the loads those of the nearest.
 
-    Raises
-    ------
-    UserInputError
-        The springs have no fan, or no ray that turns back at their rate.
+    Raises UserInputError: the springs have no fan, or no ray that turns back at their rate.
     """
     table, (V, parts), known = build_fan(springs), _parts(springs), _at_loads(springs)
     turning = _recorded(parts[0][0])[0][0].remembering[0]

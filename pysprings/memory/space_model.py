@@ -296,12 +296,8 @@ class SpaceStepper:
     def advance(self, *, motion: Array | None = None, load: Array | None = None) -> Array:
         """Go to a motion, or under a load, (5,); return the other one (5,).
 
-        Raises
-        ------
-        BeyondSprings
-            The elements do not carry the load.
-        UserInputError
-            Neither, or both, are given.
+        Raises BeyondSprings: the elements do not carry the load.
+        Raises UserInputError: neither, or both, are given.
         """
         if (motion is None) == (load is None):
             raise refused("motion", "give a motion or a load")

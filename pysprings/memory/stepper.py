@@ -102,12 +102,8 @@ class MemoryStepper:
         with the vertical load and the rate of the paths that the elements come from. In the time of a step water
         drains: see `reactions`.
 
-        Raises
-        ------
-        BeyondSprings
-            The elements do not carry the load.
-        UserInputError
-            Neither, or both, are given.
+        Raises BeyondSprings: the elements do not carry the load.
+        Raises UserInputError: neither, or both, are given.
         """
         if (motion is None) == (load is None):
             raise refused("motion", "give a motion or a load")

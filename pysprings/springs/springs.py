@@ -273,10 +273,8 @@ class Springs:
         A rate must be in the range of the sets; V None is the load at rest, and beyond the range of the loads the
         nearest set answers.
 
-        Raises
-        ------
-        UserInputError
-            The springs do not depend on a rate, or not in this range, or two sets have no path in common.
+        Raises UserInputError: the springs do not depend on a rate, or not in this range, or two sets have no path in
+        common.
         """
         return (self if rate is None else self.at_rate(rate)).at_load(self.rest_load if V is None else V)
 

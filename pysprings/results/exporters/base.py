@@ -47,8 +47,8 @@ class Source:
 
     Parameters
     ----------
-    springs, result
-        Spring set (springs.nc) and full model (full_model.nc), or functions that return them; None without one.
+    springs, result : Spring set (springs.nc) and full model (full_model.nc), or functions that return them; None
+        without one.
     """
 
     def __init__(

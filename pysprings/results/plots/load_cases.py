@@ -30,11 +30,9 @@ def load_cases(table: pd.DataFrame, springs: AnySprings | None) -> Figure:
 
     Parameters
     ----------
-    table
-        Answers to load cases in SI (`pysprings design`), a row a case.
-    springs
-        Those that answered: their vertical loads are grey lines in bands of 10 %, the largest that they carry blue.
-        None: they were several, whose lines differ.
+    table : Answers to load cases in SI (`pysprings design`), a row a case.
+    springs : Those that answered: their vertical loads are grey lines in bands of 10 %, the largest that they carry
+        blue. None: they were several, whose lines differ.
     """
     figure = style.new_figure(9.6, 4.8)
     axes = figure.subplots()

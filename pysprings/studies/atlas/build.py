@@ -46,10 +46,7 @@ def held_back(atlas: Atlas, data: xr.Dataset, at: tuple[float, ...] = AT) -> pd.
     Columns: case, path, arm_over_D, u_over_D, quantity (K_V, K_H, K_M, H, rotation), full, atlas, error_pct,
     deviation_pct (one standard deviation), inside (1 within 1.96 of them), why_not (no answer).
 
-    Raises
-    ------
-    UserInputError
-        The study has no pulls, or scenes that are none of the family.
+    Raises UserInputError: the study has no pulls, or scenes that are none of the family.
     """
     if "case" not in data.dims:
         raise refused("--held-back", "a check needs samples, not a grid of axes")

@@ -139,10 +139,8 @@ class Atlas:
     def estimate(self, scene: Scene, extrapolate: bool = False) -> Estimate:
         """Return what is expected of a scene.
 
-        Raises
-        ------
-        UserInputError
-            The scene is none of the family, or outside the box of the full models, unless ``extrapolate``.
+        Raises UserInputError: the scene is none of the family, or outside the box of the full models, unless
+        ``extrapolate``.
         """
         self.family.check(scene, self.base)
         inputs = self.family.read(scene)

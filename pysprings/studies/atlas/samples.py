@@ -86,10 +86,7 @@ def scenes(data: xr.Dataset, text: SceneText) -> list[Scene]:
 def read_samples(data: xr.Dataset, family: Family) -> Samples:
     """Return what an atlas learns from a study of samples.
 
-    Raises
-    ------
-    UserInputError
-        A grid or too few cases; scenes that are none of the family.
+    Raises UserInputError: a grid or too few cases; scenes that are none of the family.
     """
     if "case" not in data.dims:
         raise refused("study", "an atlas needs samples (a Latin hypercube or a table), not a grid of axes")

@@ -106,21 +106,14 @@ def spring_text(
 
     Parameters
     ----------
-    head
-        Lines of the header.
-    model
-        Macro-model on a fan, of springs with a vertical stiffness.
-    torsion
-        Stiffness about the vertical axis [N m/rad], beside that of elements of torsion.
-    reaction_at_rest
-        With it the reaction at rest is the vertical load at rest, else the change from there.
-    stop_beyond
-        The library stops beyond the calibrated range instead of extrapolating with a warning.
+    head : Lines of the header.
+    model : Macro-model on a fan, of springs with a vertical stiffness.
+    torsion : Stiffness about the vertical axis [N m/rad], beside that of elements of torsion.
+    reaction_at_rest : With it the reaction at rest is the vertical load at rest, else the change from there.
+    stop_beyond : The library stops beyond the calibrated range instead of extrapolating with a warning.
 
-    Raises
-    ------
-    UserInputError
-        No fan, no vertical stiffness, more numbers than SoilDyn keeps, or elements of several loads or rates.
+    Raises UserInputError: no fan, no vertical stiffness, more numbers than SoilDyn keeps, or elements of several loads
+    or rates.
     """
     table = model.table
     if not isinstance(table, FanTable):
@@ -232,10 +225,7 @@ def library_name(platform: str = sys.platform) -> str:
 def compiler(given: str | None = None) -> list[str]:
     """Return the command of the C compiler: the given one, that of the variable CC, or the first that is installed.
 
-    Raises
-    ------
-    ResourceError
-        There is none.
+    Raises ResourceError: there is none.
     """
     named = given or os.environ.get("CC")
     words = shlex.split(named) if named else [name for name in COMPILERS if shutil.which(name)][:1]
@@ -261,10 +251,7 @@ def build_command(words: list[str], output: Path, platform: str = sys.platform) 
 def build(folder: Path, given: str | None = None) -> Path:
     """Build the library into a folder, which need not exist; return its path.
 
-    Raises
-    ------
-    ResourceError
-        No compiler, or it fails; the message holds its last lines.
+    Raises ResourceError: no compiler, or it fails; the message holds its last lines.
     """
     words = compiler(given)
     folder.mkdir(parents=True, exist_ok=True)
