@@ -186,6 +186,18 @@ class Exporter:
         return bool(self.file) and self.needs == "springs"
 
 
+def rendered(template: str, **values: Any) -> str:
+    """Return the text of a file from a template of this folder, `<< value >>` and `<% statement %>` in it."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    engine = Environment(
+        loader=PackageLoader("pysprings.results.exporters"), undefined=StrictUndefined, keep_trailing_newline=True,
+        trim_blocks=True, lstrip_blocks=True, variable_start_string="<<", variable_end_string=">>",
+        block_start_string="<%", block_end_string="%>", comment_start_string="<#", comment_end_string="#>",
+    )  # fmt: skip
+    return engine.get_template(template).render(**values)
+
+
 def write_text_file(text: Callable[[Source, Options], str]) -> Callable[[Source, Target, Options], Exported]:
     """Return the `write` of an exporter of one text file."""
 

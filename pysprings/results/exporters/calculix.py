@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.text import commented
-from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.base import Exported, Options, Source, Target, rendered
 from pysprings.results.exporters.uniaxial_sets import Prepared, Terms, prepare, read_by
 
 Array = NDArray[np.float64]
@@ -70,43 +70,10 @@ def _pieces(q: Array, f: Array) -> Iterator[Pair]:
         yield x, y - (0.0 if x[0] <= 0.0 <= x[-1] else y[0] if x[0] > 0.0 else y[-1])
 
 
-def _header(made: Prepared) -> str:
-    return "".join(f"{line}\n" for line in commented("**", made.head))
-
-
-_EXAMPLE = """{head}** A running example: a rigid caisson under H = 1 MN at 5 m above the lid; replace it by the model.
-{lid}
-*INCLUDE, INPUT=caisson_calculix.inp
-*STEP, INC=1000
-{controls}*STATIC
-1., 1.
-*CLOAD
-{node}, 1, 1.E6
-{rotations}, 2, 5.E6
-*NODE PRINT, NSET=LID
-U
-*END STEP
-"""
-
-
 _FRAME = (
     "z up; lid at mudline: node LID (displacements 1 to 3) and node ROT (rotations, as its displacements 1 to 3), of a "
     "*RIGID BODY of the structure (REF NODE, ROT NODE); coordinates of the other nodes do not matter"
 )
-_NONLINEAR = """** In a linear step CalculiX takes the initial stiffness of nonlinear springs, without a message.
-** A material with *PLASTIC, which nothing uses, makes it so.
-*MATERIAL, NAME=PYSPRINGS_NONLINEAR
-*ELASTIC
-1., 0.
-*PLASTIC
-1.E30, 0.
-"""
-# corners of tables make its iteration converge slowly, by a factor of about 0.8
-_CONTROLS = """*CONTROLS, PARAMETERS=TIME INCREMENTATION
-500, 500, 9, 500, 10, 4, , 5, ,
-*CONTROLS, PARAMETERS=FIELD
-1.E-8, 1.E10, 1., , 1.E-8, , 1.E-10, 1.E-9
-"""
 
 
 def write(source: Source, target: Target, options: Options) -> Exported:
@@ -115,14 +82,12 @@ def write(source: Source, target: Target, options: Options) -> Exported:
     node, rotations, first = (int(options[name]) for name in ("lid", "rotations", "first"))
     lid = {f"u{axis}": (node, k) for k, axis in enumerate("xyz", 1)}
     lid |= {f"r{axis}": (rotations, k) for k, axis in enumerate("xyz", 1)}
-    body = f"*NODE, NSET=LID\n{node}, 0., 0., 0.\n{rotations}, 0., 0., 0."
-    body += "" if made.torsion else f"\n*BOUNDARY\n{rotations}, 3"
-    head, elements = _header(made), "\n".join(_elements(made, lid, first))
+    values = {
+        "head": commented("**", made.head), "elements": "\n".join(_elements(made, lid, first)),
+        "lid": node, "rotations": rotations, "torsion": made.torsion,
+    }  # fmt: skip
     files = [
-        target.write("caisson_calculix.inp", f"{head}{_NONLINEAR}{elements}\n"),
-        target.write(
-            "example_calculix.inp",
-            _EXAMPLE.format(head=head, lid=body, controls=_CONTROLS, node=node, rotations=rotations),
-        ),
+        target.write("caisson_calculix.inp", rendered("calculix.inp.j2", **values)),
+        target.write("example_calculix.inp", rendered("calculix_example.inp.j2", **values)),
     ]
     return Exported(files, made.lost)

@@ -22,7 +22,7 @@ from pysprings.core.units import QuantityError, read
 from pysprings.macro.answer import MacroWarning
 from pysprings.macro.model import MacroModel
 from pysprings.macro.stiffness import Load, Question, secant, stiffness_six
-from pysprings.results.exporters.base import Exported, Options, Source, Target
+from pysprings.results.exporters.base import Exported, Options, Source, Target, rendered
 from pysprings.results.exporters.header import header
 from pysprings.springs.springs import Springs
 
@@ -202,24 +202,10 @@ def ssi_text(head: Sequence[str], stiffness: np.ndarray) -> str:
 def spring_element_text(head: Sequence[str], stiffness: np.ndarray) -> str:
     """Return the rows of a SubDyn file for a spring element: its properties, a member and its direction cosines."""
     pairs = [(i, j) for i in range(6) for j in range(i, 6)]
-    lines = commented("!", head)
-    lines += [
-        "! Copy the rows below into the SubDyn file; joints and numbers in < > are those of the model. Both joints are",
-        "! at the lid centre; the joint of the ground is a base reaction joint with all six degrees of freedom fixed.",
-        "---------------------- MEMBERS ----------------------",
-        "<MemberID>  <joint of the tower>  <joint of the ground>  1  1  5  1",
-        "---------------------- SPRING ELEMENT PROPERTIES ----------------------",
-        "             1   NSpringPropSets   - Number of spring properties",
-        "PropSetID " + " ".join(f"k{i + 1}{j + 1}" for i, j in pairs),
-        "(-) " + " ".join(_unit(i, j) for i, j in pairs),
-        "1 " + " ".join(f"{stiffness[i, j]:.15E}" for i, j in pairs),
-        "---------------------- MEMBER COSINE MATRICES COSM(i,j) ----------------------",
-        "             1   NCOSMs      - Number of unique cosine matrices (-)",
-        "COSMID COSM11 COSM12 COSM13 COSM21 COSM22 COSM23 COSM31 COSM32 COSM33",
-        "(-) (-) (-) (-) (-) (-) (-) (-) (-) (-)",
-        "1 1.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 1.0",
-    ]
-    return "\n".join(lines) + "\n"
+    return rendered(
+        "subdyn_spring.dat.j2", head=commented("!", head), names=[f"k{i + 1}{j + 1}" for i, j in pairs],
+        units=[_unit(i, j) for i, j in pairs], values=[f"{stiffness[i, j]:.15E}" for i, j in pairs],
+    )  # fmt: skip
 
 
 def _unit(i: int, j: int) -> str:

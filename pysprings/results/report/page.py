@@ -35,7 +35,6 @@ from pysprings.core.storage import read_tree, write_text
 from pysprings.core.words import TILTS
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.model import AnySprings
-from pysprings.results.axes import axes_svg
 from pysprings.results.exporters.csv import read_comparison
 from pysprings.results.layout import Drawn, open_result, picture_kind, pictures_in, stands_for
 from pysprings.results.parts import converged
@@ -46,6 +45,7 @@ from pysprings.springs.path import paths_of
 from pysprings.springs.sums import by_depth
 from pysprings.springs.tip_zone import edge_rings
 
+TEMPLATES = files("pysprings.results.report").joinpath("templates")
 MOST_STEPS = 25  # of a path that the sliders show
 MOST_PATHS = 24
 MOST_DEPTHS = 4  # of the contact stresses
@@ -73,7 +73,7 @@ def live_parts(result: xr.DataTree) -> Live | None:
     size = {key: float(result.attrs.get(f"{key}_m", np.nan)) for key in ("outer_diameter", "skirt_length")}
     known = {key: value for key, value in size.items() if np.isfinite(value)}
     data = json.dumps({"size": known, "limits": TILTS, "paths": drawn}, separators=(",", ":"), allow_nan=False)
-    script = files("pysprings.results.report").joinpath("templates/report.js").read_text(encoding="utf-8")
+    script = TEMPLATES.joinpath("report.js").read_text(encoding="utf-8")
     packed, digest = library
     own = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return Live(data.replace("<", "\\u003c"), script, packed, f"'sha256-{own}' 'sha256-{digest}'")
@@ -249,7 +249,7 @@ def page_html(template: str, folder: Path | None = None, **values: Any) -> str:
         loader=ChoiceLoader(places), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     engine.filters["marked"] = marked
-    sketch = picture_uri(axes_svg().encode(), ".svg")
+    sketch = picture_uri(TEMPLATES.joinpath("axes.svg").read_bytes(), ".svg")
     return engine.get_template(template).render(version=version.__version__, sketch=sketch, **values)
 
 

@@ -20,7 +20,6 @@ from pysprings.core.storage import write_tree
 from pysprings.core.text import number
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 from pysprings.macro.comparison import compare
-from pysprings.results import axes
 from pysprings.results.report import inputs, page as report, validity
 from pysprings.results.report.inputs import ReportData, ReportTable
 from pysprings.results.report.load_cases import spring_tables
@@ -33,6 +32,7 @@ from tests.support.commands import run_python
 from tests.support.files import Page
 from tests.support.place import ROOT
 
+SKETCH = ROOT / "pysprings" / "results" / "report" / "templates" / "axes.svg"
 PATHS = (synthetic.Path("pull", size=2e-2), synthetic.Path("turn", "rotation", size=4e-3))
 HOSTILE = "<script>alert('x')</script> & \"quoted\" <img src=x onerror=y>"
 RUN = RunRecord.from_dict(
@@ -189,7 +189,7 @@ def test_interactive_parts_hold_one_library_and_allow_no_other_script(result: xr
 
 
 def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Path], tmp_path: Path) -> None:
-    (tmp_path / "mesh.svg").write_text(axes.axes_svg(), encoding="utf-8")
+    (tmp_path / "mesh.svg").write_bytes(SKETCH.read_bytes())
     page = Page(report.render(result, figures=[tmp_path / "mesh.svg", *pictures]))
     (mesh,) = [attrs for tag, attrs in page.tags if tag == "img" and attrs["alt"] == "Mesh in the symmetry plane"]
     assert str(mesh["src"]).startswith("data:image/svg+xml")
@@ -333,9 +333,8 @@ def test_write_report_reads_the_folder_of_a_run(result: xr.DataTree, springs: xr
 # ---------------------------------------------------------------- the sketch
 
 
-def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
-    file = axes.write_axes_svg(tmp_path / "docs" / "axes.svg")
-    root = ET.fromstring(file.read_text(encoding="utf-8"))
+def test_sketch_is_valid_svg_with_the_signs() -> None:
+    root = ET.fromstring(SKETCH.read_text(encoding="utf-8"))
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     words = " ".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
     for rule in ("u_x(z) = u − rotation·z", "M = H·h", "H = Σ p dz + H_tip + H_lid", "compression positive", "θ = 0"):
@@ -347,8 +346,7 @@ def test_sketch_is_valid_svg_with_the_signs(tmp_path: Path) -> None:
 
 
 def test_the_picture_in_the_docs_is_the_current_sketch() -> None:
-    file = ROOT / "docs" / "axes.svg"
-    assert file.read_text(encoding="utf-8") == axes.axes_svg(), "run: python -m pysprings.results.axes docs/axes.svg"
+    assert (ROOT / "docs" / "axes.svg").read_bytes() == SKETCH.read_bytes(), f"copy {SKETCH}"
 
 
 def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.DataTree) -> None:

@@ -21,6 +21,7 @@ from pysprings.core.text import commented, one_line
 from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import Branch
+from pysprings.results.exporters.base import rendered
 
 Array = NDArray[np.float64]
 Place = tuple[float, float, float]
@@ -51,36 +52,11 @@ def library_input(head: Sequence[str], library: str, springs: str, places: Seque
 def _input(
     head: Sequence[str], option: int, stiffness: Array, place: Place, points: Sequence[str], library: str = "unused"
 ) -> str:
-    lines = [
-        f"---------- SoilDyn Input File: {one_line(head[0])} ----------",
-        "scene, frame, units, range and error: below END",
-        "---------- Options ----------",
-        "False        Echo         - Echo the input data",
-        '"default"    DT           - Time step (s)',
-        f"{option}            CalcOption   - 1: stiffness matrix, 3: library",
-        "---------- Stiffness and damping at one point (CalcOption 1) ----------",
-        f"{place[0]:.10g} {place[1]:.10g} {place[2]:.10g}    Location (x, y, z) (m)",
-        "---------- Stiffness (N/m, N/rad, N m/rad) ----------",
-        *(" ".join(f"{value:.15E}" for value in row) for row in stiffness),
-        "---------- Damping (not supported by SoilDyn) ----------",
-        *["0 0 0 0 0 0"] * 6,
-        "---------- P-Y curves (not available in SoilDyn) ----------",
-        "0            PY_NumPoints",
-        "---------- Location (x, y, z) (m) and file ----------",
-        "---------- Library (CalcOption 3) ----------",
-        "2            DLL_Model",
-        f'"{library}"     DLL_FileName',
-        f"{len(points)}            DLL_NumPoints",
-        "---------- Location (x, y, z) (m) and files ----------",
-        *points,
-        "---------- Output ----------",
-        "False        SumPrint",
-        "---------- OutList ----------",
-        *_outputs(max(1, len(points))),
-        "END of input",
-        *commented("!", head),
-    ]
-    return "\n".join(lines) + "\n"
+    return rendered(
+        "soildyn.dat.j2", title=one_line(head[0]), option=option, place=" ".join(f"{each:.10g}" for each in place),
+        stiffness=[[f"{value:.15E}" for value in row] for row in stiffness], points=points, library=library,
+        outputs=_outputs(max(1, len(points))), head=commented("!", head),
+    )  # fmt: skip
 
 
 def _outputs(points: int) -> list[str]:
