@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from pysprings.core.errors import ResourceError, UserInputError
+from pysprings.core.units import read, si_of
 from pysprings.core.words import StopReason
 from pysprings.full_model.run_record import PathFigures, RunRecord, Status
 from pysprings.studies import stability as stability
@@ -42,15 +43,19 @@ def test_every_case_is_a_scene_or_is_refused_with_a_line(case: Case) -> None:
     changed = scene.model_dump()
     for section, values in case.changes.items():
         for key, value in values.items():
-            assert has(changed[section][key], value), f"{section}.{key} is not what the catalogue says"
+            assert has(changed[section]["layers" if key == "layer" else key], value), (
+                f"{section}.{key} is not what the catalogue says"
+            )
 
 
 def has(found: Any, wanted: Any) -> bool:
-    """Whether a value of a scene is what was given; tables and layers have what was given of them."""
+    """Whether a value of a scene, in SI, is what was given; tables and layers have what was given of them."""
     if isinstance(wanted, dict):
         return all(has(found[key], value) for key, value in wanted.items())
-    if isinstance(wanted, tuple) and wanted and isinstance(wanted[0], dict):
+    if isinstance(wanted, list):
         return len(found) == len(wanted) and all(map(has, found, wanted))
+    if isinstance(wanted, str) and isinstance(found, float):
+        return found == read(wanted, si_of(wanted.partition(" ")[2]))
     return bool(found == wanted)
 
 
