@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from pysprings.cli.guard import DEBUG, guarded
+from pysprings.cli.options import option
 from pysprings.cli.support import Once
 from pysprings.core.jit import choose_for_command
 from pysprings.core.process import open_missing_streams
@@ -119,7 +120,7 @@ def _options(
             "--version", help="Print the version and the licences, and exit.", is_eager=True, callback=_print_version
         ),
     ] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    debug: Annotated[bool, option("--debug", "Show the traceback of an error.")] = False,
 ) -> None:
     DEBUG.set(debug)
 

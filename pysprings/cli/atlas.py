@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from pysprings.cli.options import Json
+from pysprings.cli.options import Json, argument, option
 from pysprings.cli.support import print_json, print_table, refuse
 from pysprings.core.columns import Column, Table
 
@@ -41,9 +39,9 @@ class Asked:
 
 def refuse_without_atlas(options: Mapping[str, Any]) -> None:
     """Refuse options that need --atlas."""
-    for option, value in options.items():
+    for name, value in options.items():
         if value not in (None, []):
-            refuse(option, "is for springs of an atlas: give --atlas, too")
+            refuse(name, "is for springs of an atlas: give --atlas, too")
 
 
 def springs_of_atlas(asked: Asked, strict: bool = False, extrapolate: bool = False) -> xr.DataTree:
@@ -82,19 +80,14 @@ def scene_of(atlas: Atlas, asked: Asked) -> Scene:
 
 
 def atlas(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="study.nc, or the folder of `pysprings sweep`")],
-    family: Annotated[str, typer.Option("--family", metavar="NAME", help="ground: clay, clay-gap or sand")],
+    study: Annotated[Path, argument("STUDY", "study.nc, or the folder of `pysprings sweep`")],
+    family: Annotated[str, option("--family", "ground: clay, clay-gap or sand", "NAME")],
     held_back: Annotated[
-        Path | None,
-        typer.Option("--held-back", metavar="STUDY", help="study of pulls that the atlas is checked on"),
+        Path | None, option("--held-back", "study of pulls that the atlas is checked on", "STUDY")
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file \\[default: FAMILY.nc]")] = None,
-    at: Annotated[
-        str | None, typer.Option("--at", metavar="U/D[,U/D]", help="where pulls are compared \\[default: 0.001,0.01]")
-    ] = None,
-    table: Annotated[
-        Path | None, typer.Option("--table", metavar="FILE", help="write the comparison, a row a quantity: .csv")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "file \\[default: FAMILY.nc]", "FILE")] = None,
+    at: Annotated[str | None, option("--at", "where pulls are compared \\[default: 0.001,0.01]", "U/D[,U/D]")] = None,
+    table: Annotated[Path | None, option("--table", "write the comparison, a row a quantity: .csv", "FILE")] = None,
     as_json: Json = False,
 ) -> None:
     """Make an atlas of a study: springs of any caisson between its cases, with a predicted standard deviation.

@@ -7,8 +7,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from pysprings.cli.options import (
     Changes,
     DrawnFigures,
@@ -20,6 +18,7 @@ from pysprings.cli.options import (
     SceneFile,
     Series,
     formats_of,
+    option,
 )
 from pysprings.cli.support import interruptible, print_json, print_table, quantities, refuse, to_stderr
 from pysprings.core.progress import reporter
@@ -34,41 +33,33 @@ if TYPE_CHECKING:
 def capacity(
     scene: SceneFile,
     vertical: Annotated[
-        list[str] | None,
-        typer.Option("--V", metavar="FORCE", help='vertical load, e.g. "3 MN", or balanced; may be repeated'),
+        list[str] | None, option("--V", 'vertical load, e.g. "3 MN", or balanced; may be repeated', "FORCE")
     ] = None,
-    directions: Annotated[int, typer.Option("--directions", metavar="N", help="directions of H and M")] = 8,
+    directions: Annotated[int, option("--directions", "directions of H and M", "N")] = 8,
     torsion: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
             "--torsion",
-            metavar="ANGLE",
-            help='also loads at this angle out of the plane of H and M, e.g. "45 deg" (90: T alone); repeated',
+            'also loads at this angle out of the plane of H and M, e.g. "45 deg" (90: T alone); repeated',
+            "ANGLE",
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/capacity-SCENE]")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "result folder \\[default: out/capacity-SCENE]", "DIR")] = None,
     factor: Annotated[
         list[str] | None,
-        typer.Option(
-            "--factor",
-            metavar="FACTOR",
-            help="also with design strength: 1.25 on tan phi, c and su, or su=1.4; repeated",
-        ),
+        option("--factor", "also with design strength: 1.25 on tan phi, c and su, or su=1.4; repeated", "FACTOR"),
     ] = None,
     cases: Annotated[
-        Path | None,
-        typer.Option("--cases", metavar="FILE", help="load cases to draw, with their utilisation; or design.cases"),
+        Path | None, option("--cases", "load cases to draw, with their utilisation; or design.cases", "FILE")
     ] = None,
     springs: Annotated[
-        Path | None, typer.Option("--springs", metavar="RESULT", help="springs beside it, instead of rays of their own")
+        Path | None, option("--springs", "springs beside it, instead of rays of their own", "RESULT")
     ] = None,
-    macro: Annotated[bool, typer.Option("--macro/--no-macro", help="set the macro-model beside it")] = True,
+    macro: Annotated[bool, option("--macro/--no-macro", "set the macro-model beside it")] = True,
     mesh: Mesh = None,
     discretisation: Series = None,
     changes: Changes = None,
-    force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
+    force: Annotated[bool, option("--force", "repeat every run")] = False,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",

@@ -7,11 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
-from pysprings.cli.options import Format, Json, OneSpringSet, Result
+from pysprings.cli.options import Format, Json, OneSpringSet, Result, argument, option
 from pysprings.cli.support import print_json, print_table, refuse
 from pysprings.core.columns import Table
 
@@ -22,10 +20,9 @@ if TYPE_CHECKING:
 def compare(
     result: Result,
     spring_set: OneSpringSet = None,
-    slices: Annotated[bool, typer.Option("--slices", help="error and cost by number of depth slices instead")] = False,
+    slices: Annotated[bool, option("--slices", "error and cost by number of depth slices instead")] = False,
     cycles: Annotated[
-        bool,
-        typer.Option("--cycles", help="paths that turn back instead: errors, and peaks, work and damping by cycle"),
+        bool, option("--cycles", "paths that turn back instead: errors, and peaks, work and damping by cycle")
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -65,12 +62,9 @@ WIDTHS = (16, 26, 20, 20, 10)  # of the table: a terminal of 100 characters
 
 
 def diff(
-    first: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
-    second: Annotated[Path, typer.Argument(metavar="RUN", help="folder of another run")],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="also draw both over each other, a picture a path"),
-    ] = None,
+    first: Annotated[Path, argument("RUN", "folder of a run")],
+    second: Annotated[Path, argument("RUN", "folder of another run")],
+    out: Annotated[Path | None, option("--out", "also draw both over each other, a picture a path", "DIR")] = None,
     figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:

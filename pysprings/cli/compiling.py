@@ -9,9 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from pysprings.cli.options import Changes, Json
+from pysprings.cli.options import Changes, Json, argument
 from pysprings.cli.scene import load
 from pysprings.cli.support import print_json, to_stderr
 from pysprings.core import jit
@@ -21,9 +19,7 @@ if TYPE_CHECKING:
 
 
 def compile(  # the name of the command
-    scene: Annotated[
-        Path | None, typer.Argument(metavar="[SCENE]", help="scene file (TOML) \\[default: all templates]")
-    ] = None,
+    scene: Annotated[Path | None, argument("[SCENE]", "scene file (TOML) \\[default: all templates]")] = None,
     changes: Changes = None,
     as_json: Json = False,
 ) -> None:

@@ -8,9 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from pysprings.cli.options import Json, SpringSet
+from pysprings.cli.options import Json, SpringSet, argument, option
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 
 if TYPE_CHECKING:
@@ -20,52 +18,35 @@ if TYPE_CHECKING:
 
 
 def design(
-    result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or a p-y table")],
+    result: Annotated[Path, argument("RESULT", "folder of a run, springs.nc, or a p-y table")],
     cases: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="CASES",
-            help="load cases (CSV, Excel), units in the headings; by default design.cases of the scene",
-        ),
+        argument("CASES", "load cases (CSV, Excel), units in the headings; by default design.cases of the scene"),
     ] = None,
-    tilt: Annotated[
-        str | None, typer.Option("--tilt", metavar="ANGLE", help='tolerated rotation, e.g. "0.25 deg"')
-    ] = None,
+    tilt: Annotated[str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"', "ANGLE")] = None,
     out: Annotated[
         list[Path] | None,
-        typer.Option(
-            "--out",
-            metavar="FILE",
-            help="file for the answers: .csv, .xlsx, .html, or picture: .png, .svg; may be repeated",
-        ),
+        option("--out", "file for the answers: .csv, .xlsx, .html, or picture: .png, .svg; may be repeated", "FILE"),
     ] = None,
     in_report: Annotated[
-        bool, typer.Option("--report", help="put the answers into the report of the run (RESULT: its folder)")
+        bool, option("--report", "put the answers into the report of the run (RESULT: its folder)")
     ] = False,
-    extrapolate: Annotated[
-        bool, typer.Option("--extrapolate", help="answer beyond the calibrated range, marked")
-    ] = False,
-    strict: Annotated[bool, typer.Option("--strict", help="refuse cases that are not ok (exit code 2)")] = False,
+    extrapolate: Annotated[bool, option("--extrapolate", "answer beyond the calibrated range, marked")] = False,
+    strict: Annotated[bool, option("--strict", "refuse cases that are not ok (exit code 2)")] = False,
     group: Annotated[
         Path | None,
-        typer.Option(
+        option(
             "--group",
-            metavar="FILE",
-            help="positions of caissons under one rigid frame (bucket, x, y); CASES load the frame at their origin",
+            "positions of caissons under one rigid frame (bucket, x, y); CASES load the frame at their origin",
+            "FILE",
         ),
     ] = None,
     joint: Annotated[
         str | None,
-        typer.Option(
-            "--joint",
-            metavar="STIFFNESS",
-            help='rotational stiffness of each joint, e.g. "2 GN m/rad"; rigid by default',
-        ),
+        option("--joint", 'rotational stiffness of each joint, e.g. "2 GN m/rad"; rigid by default', "STIFFNESS"),
     ] = None,
     spring_set: SpringSet = None,
-    path: Annotated[
-        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs answer (full, py)")
-    ] = None,
+    path: Annotated[str | None, option("--path", "load path whose springs answer (full, py)", "NAME")] = None,
     as_json: Json = False,
 ) -> None:
     """Answer load cases: motion, tilt, stiffness, utilisation, and what is not known, case by case.

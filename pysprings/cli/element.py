@@ -6,10 +6,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import typer
-
 from pysprings.cli.folders import refuse_no_folder
-from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, SceneFile, formats_of, quantity
+from pysprings.cli.options import (
+    Changes,
+    DrawnFigures,
+    Format,
+    Json,
+    NoFigures,
+    SceneFile,
+    formats_of,
+    option,
+    quantity,
+)
 from pysprings.cli.scene import load
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 from pysprings.core.columns import Column, Table, filled
@@ -43,30 +51,21 @@ _KEYS = (
 
 def element(
     scene: SceneFile,
-    test: Annotated[ElementTest, typer.Option("--test", help="kind of test")] = "triaxial",
-    layer: Annotated[
-        str | None, typer.Option("--layer", metavar="NAME", help="layer \\[default: the only one]")
-    ] = None,
+    test: Annotated[ElementTest, option("--test", "kind of test")] = "triaxial",
+    layer: Annotated[str | None, option("--layer", "layer \\[default: the only one]", "NAME")] = None,
     stress: Annotated[
-        list[str] | None,
-        typer.Option("--stress", metavar="STRESS", help='consolidation stress, e.g. "100 kPa"; repeated'),
+        list[str] | None, option("--stress", 'consolidation stress, e.g. "100 kPa"; repeated', "STRESS")
     ] = None,
     drainage: Annotated[
-        Literal["drained", "undrained"], typer.Option("--drainage", help="constant cell pressure, or constant volume")
+        Literal["drained", "undrained"], option("--drainage", "constant cell pressure, or constant volume")
     ] = "drained",
     depth: Annotated[
         float | None, quantity("--depth", "m", "3 m", "where values by depth are taken \\[middle]")
     ] = None,
-    strain: Annotated[
-        float | None, typer.Option("--strain", help="last strain, e.g. 0.1; by default of the kind")
-    ] = None,
-    data: Annotated[Path | None, typer.Option("--data", metavar="FILE", help="measured tests (CSV, xlsx)")] = None,
-    fit: Annotated[
-        str | None, typer.Option("--fit", metavar="KEY,KEY", help="keys of the layer to fit to --data")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="folder \\[default: out/element-SCENE]")
-    ] = None,
+    strain: Annotated[float | None, option("--strain", "last strain, e.g. 0.1; by default of the kind")] = None,
+    data: Annotated[Path | None, option("--data", "measured tests (CSV, xlsx)", "FILE")] = None,
+    fit: Annotated[str | None, option("--fit", "keys of the layer to fit to --data", "KEY,KEY")] = None,
+    out: Annotated[Path | None, option("--out", "folder \\[default: out/element-SCENE]", "DIR")] = None,
     changes: Changes = None,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pysprings.cli.atlas import SHIPPED_ATLASES
+from pysprings.cli.options import argument, option
 from pysprings.cli.support import refuse, to_stderr
 
 if TYPE_CHECKING:
@@ -19,12 +20,8 @@ HOST = "127.0.0.1"
 
 
 def explore(
-    result: Annotated[
-        Path | None, typer.Argument(metavar="[OUT]", help="folder of a run, or springs.nc; or none with --atlas")
-    ] = None,
-    atlas: Annotated[
-        str | None, typer.Option("--atlas", metavar="NAME|FILE", help=f"explore {SHIPPED_ATLASES} instead of a run")
-    ] = None,
+    result: Annotated[Path | None, argument("[OUT]", "folder of a run, or springs.nc; or none with --atlas")] = None,
+    atlas: Annotated[str | None, option("--atlas", f"explore {SHIPPED_ATLASES} instead of a run", "NAME|FILE")] = None,
     port: Annotated[
         int, typer.Option("--port", help="port of the page on 127.0.0.1; 0: any free one", min=0, max=65535)
     ] = PORT,

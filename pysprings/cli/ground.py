@@ -6,34 +6,26 @@ from typing import Annotated
 
 import typer
 
-from pysprings.cli.options import DrawnFigures, Format, Json, NoFigures, formats_of, quantity
+from pysprings.cli.options import DrawnFigures, Format, Json, NoFigures, argument, formats_of, option, quantity
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 
 
 def ground(
     files: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="FILE...", help="CPT (GEF, AGS 4, BRO XML, CSV, Excel), points by depth, layers; several together"
-        ),
+        argument("FILE...", "CPT (GEF, AGS 4, BRO XML, CSV, Excel), points by depth, layers; several together"),
     ],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="TABLE", help="table to write (.csv, .xlsx), its picture beside it")
-    ] = None,
-    test: Annotated[
-        str | None, typer.Option("--test", metavar="NAME", help="the test, where the files hold several")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "table to write (.csv, .xlsx), its picture beside it", "TABLE")] = None,
+    test: Annotated[str | None, option("--test", "the test, where the files hold several", "NAME")] = None,
     area_ratio: Annotated[
         float | None, typer.Option("--area-ratio", min=0.1, max=1.0, help="net area ratio of the cone")
     ] = None,
-    nkt: Annotated[
-        str | None, typer.Option("--nkt", metavar="N,N,N", help="cone factors N_kt \\[default: 10,14,18]")
-    ] = None,
+    nkt: Annotated[str | None, option("--nkt", "cone factors N_kt \\[default: 10,14,18]", "N,N,N")] = None,
     depth: Annotated[
         float | None, quantity("--depth", "m", "30 m", "depth to which a CPT counts \\[default: all]")
     ] = None,
     layers: Annotated[int, typer.Option("--layers", min=1, max=50, help="the most layers that are proposed")] = 10,
-    force: Annotated[bool, typer.Option("--force", help="replace an existing table")] = False,
+    force: Annotated[bool, option("--force", "replace an existing table")] = False,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",

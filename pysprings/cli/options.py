@@ -12,38 +12,42 @@ from pysprings.core.registry import Item, Registry
 from pysprings.core.words import Discretisation, FigureFormat, Figures, MeshPreset, TargetError
 from pysprings.macro.spring_sets import SPRING_SETS
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
-Result = Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, or its springs.nc")]
-Mesh = Annotated[MeshPreset | None, typer.Option("--mesh", help="mesh preset instead of the scene's")]
-Series = Annotated[
-    Discretisation | None, typer.Option("--discretisation", help="bricks or Fourier series instead of the scene's")
-]
+
+def option(flag: str, words: str, metavar: str | None = None) -> Any:
+    """Return an option with its help, and its value in words where its type does not say it."""
+    return typer.Option(flag, metavar=metavar, help=words)
+
+
+def argument(metavar: str, words: str) -> Any:
+    """Return an argument with its help."""
+    return typer.Argument(metavar=metavar, help=words)
+
+
+SceneFile = Annotated[Path, argument("SCENE", "scene file (TOML)")]
+Result = Annotated[Path, argument("RESULT", "folder of a run, or its springs.nc")]
+Mesh = Annotated[MeshPreset | None, option("--mesh", "mesh preset instead of the scene's")]
+Series = Annotated[Discretisation | None, option("--discretisation", "bricks or Fourier series instead of the scene's")]
 Target = Annotated[
-    TargetError | None,
-    typer.Option("--target-error", help="run on finer meshes until the run's own estimate is within it"),
+    TargetError | None, option("--target-error", "run on finer meshes until the run's own estimate is within it")
 ]
 Changes = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="KEY=VALUE", help='value instead of the scene\'s, e.g. soil.young_modulus="80 MPa"; repeated'
-    ),
+    option("--set", 'value instead of the scene\'s, e.g. soil.young_modulus="80 MPa"; repeated', "KEY=VALUE"),
 ]
 Estimates = Annotated[
     list[str] | None,
-    typer.Option(
-        "--estimate",
-        metavar="[low|best|high]",
-        help="values of ranges that count; repeated: a folder each, and all side by side",
+    option(
+        "--estimate", "values of ranges that count; repeated: a folder each, and all side by side", "[low|best|high]"
     ),
 ]
-DrawnFigures = Annotated[Figures | None, typer.Option("--figures", help="none: no picture")]
-NoFigures = Annotated[bool, typer.Option("--no-figures", help="draw no pictures: --figures none")]
-Format = Annotated[FigureFormat, typer.Option("--figure-format", help="format of the pictures")]
+DrawnFigures = Annotated[Figures | None, option("--figures", "none: no picture")]
+NoFigures = Annotated[bool, option("--no-figures", "draw no pictures: --figures none")]
+Format = Annotated[FigureFormat, option("--figure-format", "format of the pictures")]
 Jobs = Annotated[
     int | None,
     typer.Option("--jobs", metavar="N", min=1, help="worker processes; 1: none \\[default: the cores of the machine]"),
 ]
-Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
+Json = Annotated[bool, option("--json", "one JSON document on stdout")]
 
 
 def formats_of(figures: Figures | None, none: bool, wanted: FigureFormat) -> tuple[str, ...]:

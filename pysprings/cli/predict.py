@@ -12,7 +12,7 @@ import typer
 
 from pysprings.cli.atlas import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
 from pysprings.cli.inputs import springs_or_table
-from pysprings.cli.options import Changes, Json, SpringSet, quantity
+from pysprings.cli.options import Changes, Json, SpringSet, argument, option, quantity
 from pysprings.cli.support import print_json, refuse, to_stderr
 
 if TYPE_CHECKING:
@@ -93,10 +93,7 @@ class Question:
 def predict(
     result: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[SPRINGS]",
-            help="springs.nc, the folder of a run, or a p-y table; with --atlas a scene file, or none",
-        ),
+        argument("[SPRINGS]", "springs.nc, the folder of a run, or a p-y table; with --atlas a scene file, or none"),
     ] = None,
     load: Annotated[float | None, quantity("--H", "N", "2 MN", 'lateral load, e.g. "2 MN"')] = None,
     arm: Annotated[float | None, quantity("--arm", "m", "8 m", 'its height above mudline, e.g. "8 m"')] = None,
@@ -125,18 +122,13 @@ def predict(
         float | None, quantity("--tilt", "rad", "0.25 deg", "the lateral load that turns it by this angle")
     ] = None,
     sequence: Annotated[
-        Path | None,
-        typer.Option("--sequence", metavar="FILE", help="table with a load (H_N, M_Nm) or motion (u_m ...) a line"),
+        Path | None, option("--sequence", "table with a load (H_N, M_Nm) or motion (u_m ...) a line", "FILE")
     ] = None,
     spring_set: SpringSet = None,
-    path: Annotated[
-        str | None, typer.Option("--path", metavar="NAME", help="load path whose springs answer (full, py)")
-    ] = None,
-    strict: Annotated[
-        bool, typer.Option("--strict", help="refuse an answer that the springs support only in part")
-    ] = False,
+    path: Annotated[str | None, option("--path", "load path whose springs answer (full, py)", "NAME")] = None,
+    strict: Annotated[bool, option("--strict", "refuse an answer that the springs support only in part")] = False,
     extrapolate: Annotated[
-        bool, typer.Option("--extrapolate", help="answer beyond the calibrated range of the springs, marked")
+        bool, option("--extrapolate", "answer beyond the calibrated range of the springs, marked")
     ] = False,
     rate: Annotated[
         float | None,
@@ -144,31 +136,26 @@ def predict(
     ] = None,
     stiffness: Annotated[
         bool,
-        typer.Option(
-            "--stiffness", help="also the stiffness of the springs at each state, and the full model's initial one, 6x6"
-        ),
+        option("--stiffness", "also the stiffness of the springs at each state, and the full model's initial one, 6x6"),
     ] = False,
-    secant: Annotated[bool, typer.Option("--secant", help="stiffness from rest to each state, not tangent")] = False,
-    symmetric: Annotated[bool, typer.Option("--symmetric", help="symmetric part of stiffnesses")] = False,
+    secant: Annotated[bool, option("--secant", "stiffness from rest to each state, not tangent")] = False,
+    symmetric: Annotated[bool, option("--symmetric", "symmetric part of stiffnesses")] = False,
     reference_depth: Annotated[
         float | None, quantity("--reference-depth", "m", "4 m", "point of stiffnesses on the axis, below mudline")
     ] = None,
     atlas: Annotated[
-        str | None,
-        typer.Option("--atlas", metavar="NAME|FILE", help=f"answer without a full model, by {SHIPPED_ATLASES}"),
+        str | None, option("--atlas", f"answer without a full model, by {SHIPPED_ATLASES}", "NAME|FILE")
     ] = None,
     diameter: Annotated[float | None, quantity("--D", "m", "9 m", "outer diameter, with --atlas")] = None,
     length: Annotated[float | None, quantity("--L", "m", "6 m", "skirt length, with --atlas")] = None,
     changes: Changes = None,
     save_springs: Annotated[
-        Path | None, typer.Option("--save-springs", metavar="FILE", help="write the springs of the atlas: .nc")
+        Path | None, option("--save-springs", "write the springs of the atlas: .nc", "FILE")
     ] = None,
     skirt_length: Annotated[
         float | None, quantity("--skirt-length", "m", "4 m", "of a table without depth_bottom_m")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="write the answer to a file: csv, json or nc")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "write the answer to a file: csv, json or nc", "FILE")] = None,
     as_json: Json = False,
 ) -> None:
     """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve.

@@ -9,8 +9,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from pysprings.cli.compiling import compile_first
 from pysprings.cli.folders import (
     chosen,
@@ -33,6 +31,7 @@ from pysprings.cli.options import (
     Series,
     Target,
     drawn,
+    option,
     quantity,
 )
 from pysprings.cli.scene import load, on_mesh
@@ -83,9 +82,7 @@ class RunOptions:
 
 def run(
     scene: SceneFile,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/SCENE]")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "result folder \\[default: out/SCENE]", "DIR")] = None,
     mesh: Mesh = None,
     discretisation: Series = None,
     target: Target = None,
@@ -94,30 +91,25 @@ def run(
     ] = None,
     estimate: Annotated[
         bool | None,
-        typer.Option(
+        option(
             "--estimate-error/--no-estimate-error",
-            help="also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
+            "also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
         ),
     ] = None,
     estimates: Estimates = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with the interrupted run in the folder")] = False,
-    force: Annotated[bool, typer.Option("--force", help="replace results that the folder holds")] = False,
+    resume: Annotated[bool, option("--resume", "go on with the interrupted run in the folder")] = False,
+    force: Annotated[bool, option("--force", "replace results that the folder holds")] = False,
     changes: Changes = None,
     figures: Annotated[
         Figures | None,
-        typer.Option("--figures", help="pictures: none, those that the report shows, or all \\[default: as the scene]"),
+        option("--figures", "pictures: none, those that the report shows, or all \\[default: as the scene]"),
     ] = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
     jobs: Jobs = None,
-    verbose: Annotated[
-        bool, typer.Option("--verbose", help="also iterations, balances and cost by phase at the end")
-    ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="errors and warnings alone")] = False,
-    log: Annotated[
-        Path | None,
-        typer.Option("--log", metavar="FILE", help="also write progress and messages to a file"),
-    ] = None,
+    verbose: Annotated[bool, option("--verbose", "also iterations, balances and cost by phase at the end")] = False,
+    quiet: Annotated[bool, option("--quiet", "errors and warnings alone")] = False,
+    log: Annotated[Path | None, option("--log", "also write progress and messages to a file", "FILE")] = None,
     as_json: Json = False,
 ) -> None:
     """Run the full model, extract the springs, predict with them, and write tables and pictures."""

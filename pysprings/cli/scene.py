@@ -7,9 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target
+from pysprings.cli.options import Changes, Json, Mesh, SceneFile, Series, Target, argument, option
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
@@ -41,11 +39,11 @@ LABELS = {
 
 
 def init(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="scene file to write")] = Path("caisson.toml"),
+    file: Annotated[Path, argument("FILE", "scene file to write")] = Path("caisson.toml"),
     template: Annotated[
-        str, typer.Option("--template", metavar="NAME", help=f"scene to start from: {', '.join(template_names())}")
+        str, option("--template", f"scene to start from: {', '.join(template_names())}", "NAME")
     ] = "caisson",
-    force: Annotated[bool, typer.Option("--force", help="replace existing files")] = False,
+    force: Annotated[bool, option("--force", "replace existing files")] = False,
 ) -> None:
     """Write a commented scene, and the JSON schema that helps editors with it."""
     from pysprings.scene.template import write_scene

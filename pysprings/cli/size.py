@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pysprings.cli.atlas import SHIPPED_ATLASES
-from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, formats_of
+from pysprings.cli.options import Changes, DrawnFigures, Format, Json, NoFigures, argument, formats_of, option
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 from pysprings.core.columns import Column, Table
 from pysprings.core.errors import following
@@ -22,23 +22,21 @@ if TYPE_CHECKING:
 
 
 def size(
-    cases: Annotated[Path, typer.Argument(metavar="CASES", help="load cases (CSV, Excel), units in the headings")],
-    atlas: Annotated[str, typer.Option("--atlas", metavar="NAME|FILE", help=f"what answers: {SHIPPED_ATLASES}")],
+    cases: Annotated[Path, argument("CASES", "load cases (CSV, Excel), units in the headings")],
+    atlas: Annotated[str, option("--atlas", f"what answers: {SHIPPED_ATLASES}", "NAME|FILE")],
     tilt: Annotated[
-        str, typer.Option("--tilt", metavar="ANGLE", help="tolerated rotation of cases that have none of their own")
+        str, option("--tilt", "tolerated rotation of cases that have none of their own", "ANGLE")
     ] = "0.25 deg",
     utilisation: Annotated[
         float, typer.Option("--utilisation", help="largest share of the largest known load", min=0.01, max=1.0)
     ] = 0.8,
     changes: Changes = None,
-    least: Annotated[str, typer.Option("--D-min", metavar="LENGTH", help="least outer diameter")] = "3 m",
-    most: Annotated[str, typer.Option("--D-max", metavar="LENGTH", help="largest outer diameter")] = "20 m",
+    least: Annotated[str, option("--D-min", "least outer diameter", "LENGTH")] = "3 m",
+    most: Annotated[str, option("--D-max", "largest outer diameter", "LENGTH")] = "20 m",
     confirm: Annotated[
-        bool, typer.Option("--confirm", help="confirm by full models; correct and search again where they ask for it")
+        bool, option("--confirm", "confirm by full models; correct and search again where they ask for it")
     ] = False,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and picture of candidates")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "folder for the table and picture of candidates", "DIR")] = None,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",

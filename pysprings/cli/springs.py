@@ -5,11 +5,9 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, NoReturn
 
-import typer
-
 from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
-from pysprings.cli.options import Json, Result, named
+from pysprings.cli.options import Json, Result, argument, named, option
 from pysprings.cli.support import refuse, to_stderr
 from pysprings.core.text import plain_table
 from pysprings.core.words import Use
@@ -25,14 +23,12 @@ def springs(
     form: Annotated[
         str | None, named("--format", EXPORTERS, "format \\[default: from --out, else csv]", SPRING_FILES)
     ] = None,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="file to write \\[default: stdout]")] = None,
-    wide: Annotated[bool, typer.Option("--wide", help="csv: rows are steps, a pair of columns y, p a depth")] = False,
+    out: Annotated[Path | None, option("--out", "file to write \\[default: stdout]", "FILE")] = None,
+    wide: Annotated[bool, option("--wide", "csv: rows are steps, a pair of columns y, p a depth")] = False,
     use: Annotated[
-        Use | None, typer.Option("--for", help="one set of curves for a beam program, with its error (csv, xlsx)")
+        Use | None, option("--for", "one set of curves for a beam program, with its error (csv, xlsx)")
     ] = None,
-    depths: Annotated[
-        str | None, typer.Option("--depths", metavar="LIST", help='beam: depths, such as "0.5, 1.5, 2.5 m"')
-    ] = None,
+    depths: Annotated[str | None, option("--depths", 'beam: depths, such as "0.5, 1.5, 2.5 m"', "LIST")] = None,
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
@@ -74,13 +70,11 @@ def _format(form: str | None, out: Path | None) -> str:
 
 
 def export(
-    result: Annotated[Path, typer.Argument(metavar="RESULT", help="folder of a run, springs.nc, or full_model.nc")],
+    result: Annotated[Path, argument("RESULT", "folder of a run, springs.nc, or full_model.nc")],
     to: Annotated[str | None, named("--to", EXPORTERS, "format or program")] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="folder for the files \\[default: NAME/ beside RESULT]")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "folder for the files \\[default: NAME/ beside RESULT]", "DIR")] = None,
     option: Annotated[
-        list[str] | None, typer.Option("--option", metavar="NAME=VALUE", help="option of the export; may be repeated")
+        list[str] | None, option("--option", "option of the export; may be repeated", "NAME=VALUE")
     ] = None,
 ) -> None:
     """Write files for other programs, a folder for each estimate. ParaView files need \\[output] paraview = true."""
@@ -146,9 +140,9 @@ def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Sour
 
 
 def soildyn(
-    out: Annotated[Path, typer.Argument(metavar="DIR", help="folder for the library")],
+    out: Annotated[Path, argument("DIR", "folder for the library")],
     compiler: Annotated[
-        str | None, typer.Option("--compiler", metavar="COMMAND", help="C compiler \\[default: CC, cc, gcc or clang]")
+        str | None, option("--compiler", "C compiler \\[default: CC, cc, gcc or clang]", "COMMAND")
     ] = None,
 ) -> None:
     """Build the library that SoilDyn (OpenFAST) loads for springs of `export --to openfast`."""

@@ -4,24 +4,19 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from pysprings.cli.options import DrawnFigures, Format, Jobs, Json, Mesh, NoFigures, SceneFile, formats_of
+from pysprings.cli.options import DrawnFigures, Format, Jobs, Json, Mesh, NoFigures, SceneFile, formats_of, option
 from pysprings.cli.support import quantities
 from pysprings.core.errors import RunIncomplete
 
 
 def accuracy(
     scene: SceneFile,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/accuracy-SCENE]")
-    ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="small meshes and few settings")] = False,
+    out: Annotated[Path | None, option("--out", "result folder \\[default: out/accuracy-SCENE]", "DIR")] = None,
+    quick: Annotated[bool, option("--quick", "small meshes and few settings")] = False,
     mesh: Annotated[
-        list[str] | None,
-        typer.Option("--mesh", metavar="PRESET", help="a mesh of the series, or medium:0.7; repeated, three at best"),
+        list[str] | None, option("--mesh", "a mesh of the series, or medium:0.7; repeated, three at best", "PRESET")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="repeat every run")] = False,
+    force: Annotated[bool, option("--force", "repeat every run")] = False,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
@@ -40,17 +35,13 @@ def accuracy(
 
 
 def stability(
-    case: Annotated[
-        list[str] | None, typer.Option("--case", metavar="NAME", help="a case or a group of cases; may be repeated")
-    ] = None,
+    case: Annotated[list[str] | None, option("--case", "a case or a group of cases; may be repeated", "NAME")] = None,
     mesh: Mesh = None,
-    refinement: Annotated[float, typer.Option("--refinement", help="factor on the preset's numbers of cells")] = 1.0,
+    refinement: Annotated[float, option("--refinement", "factor on the preset's numbers of cells")] = 1.0,
     reach: Annotated[
-        str, typer.Option("--reach", metavar="LENGTH", help="displacement of the cases that set none of their own")
+        str, option("--reach", "displacement of the cases that set none of their own", "LENGTH")
     ] = "20 mm",
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="folder for the table and its picture")
-    ] = None,
+    out: Annotated[Path | None, option("--out", "folder for the table and its picture", "DIR")] = None,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pysprings.cli.options import Format, Json
+from pysprings.cli.options import Format, Json, argument, option
 from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
 from pysprings.core.columns import Table
 from pysprings.core.errors import RunIncomplete
@@ -21,36 +21,28 @@ if TYPE_CHECKING:
 
 
 def sweep(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="study file (TOML): base scene and axes")],
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="result folder \\[default: out/sweep-STUDY]")
-    ] = None,
+    study: Annotated[Path, argument("STUDY", "study file (TOML): base scene and axes")],
+    out: Annotated[Path | None, option("--out", "result folder \\[default: out/sweep-STUDY]", "DIR")] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            "--scheduler", metavar="ADDRESS", help="Dask scheduler (tcp://...), or its scheduler file; not this machine"
-        ),
+        option("--scheduler", "Dask scheduler (tcp://...), or its scheduler file; not this machine", "ADDRESS"),
     ] = None,
     jobs: Annotated[
         int | None, typer.Option("--jobs", metavar="N", min=1, help="processes on this machine \\[default: its cores]")
     ] = None,
-    plan_only: Annotated[bool, typer.Option("--plan", help="check the cases and write cases.csv; run nothing")] = False,
-    again: Annotated[
-        bool, typer.Option("--again", help="make cases.csv anew from a changed study; what has run stays")
-    ] = False,
+    plan_only: Annotated[bool, option("--plan", "check the cases and write cases.csv; run nothing")] = False,
+    again: Annotated[bool, option("--again", "make cases.csv anew from a changed study; what has run stays")] = False,
     table: Annotated[
-        list[Path] | None, typer.Option("--table", metavar="FILE", help="also a table: .csv or .xlsx; may be repeated")
+        list[Path] | None, option("--table", "also a table: .csv or .xlsx; may be repeated", "FILE")
     ] = None,
     picture: Annotated[
-        list[str] | None,
-        typer.Option("--picture", metavar="NAME", help="draw a quantity of study.nc, e.g. K_H; may be repeated"),
+        list[str] | None, option("--picture", "draw a quantity of study.nc, e.g. K_H; may be repeated", "NAME")
     ] = None,
     over: Annotated[
-        str | None,
-        typer.Option("--over", metavar="AXIS[,AXIS]", help="axes of the pictures \\[default: the first two]"),
+        str | None, option("--over", "axes of the pictures \\[default: the first two]", "AXIS[,AXIS]")
     ] = None,
     figure_format: Format = "png",
-    quiet: Annotated[bool, typer.Option("--quiet", help="errors and warnings alone")] = False,
+    quiet: Annotated[bool, option("--quiet", "errors and warnings alone")] = False,
     as_json: Json = False,
 ) -> None:
     """Run a base scene over axes of its values: a folder a case, cases.csv, and study.nc with all of them.
