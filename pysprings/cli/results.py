@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import pandas as pd
 
 from pysprings.cli.inputs import read_springs
 from pysprings.cli.support import print_table, refuse
@@ -15,9 +17,6 @@ from pysprings.core.text import number
 from pysprings.core.written import WRITING
 from pysprings.full_model.run_record import FILE, RunRecord
 from pysprings.results.layout import FIGURES, listed_pictures, run_files
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 STATUS_WORDS = {WRITING: "stopped while its files were written"}  # a status that needs more words
 

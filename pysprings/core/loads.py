@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.text import with_prefix
-
-Array = NDArray[np.float64]
 
 ROUNDING = 1e-6  # share of a moment up to which its part across the plane of H is rounding of angles
 
@@ -69,17 +68,17 @@ def same_load(a: float, b: float) -> bool:
     return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
 
 
-def same_loads(values: Array, other: float) -> NDArray[np.bool_]:
+def same_loads(values: Array, other: float) -> Marks:
     """Return which vertical loads (n,) [N] are one with another."""
     return np.array([same_load(value, other) for value in values], dtype=bool)
 
 
-def close_loads(values: Array | float, other: Array | float) -> NDArray[np.bool_]:
+def close_loads(values: Array | float, other: Array | float) -> Marks:
     """Return which vertical loads [N] are so close to others that lateral springs of one hold for both.
 
     `benchmarks.macro` prints how much a tenth of V changes loads.
     """
-    near: NDArray[np.bool_] = _apart(values, other) <= 1.0 + 1e-9  # of loads that are rounded
+    near: Marks = _apart(values, other) <= 1.0 + 1e-9  # of loads that are rounded
     return near
 
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from fe_engine.balance.energy import TERMS, Energy
 from fe_engine.clock import Clock, seconds
 from fe_engine.errors import NotConverged
 from pysprings.core import variables
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.full_model.run_record import CutBack, PathFigures, RunRecord, Status
 
@@ -243,12 +243,12 @@ def contact_alternation(path: xr.Dataset) -> dict[str, Any] | None:
     }
 
 
-def _mirrored(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _mirrored(values: Array) -> Array:
     """Return values (..., azimuth) with a mirror image beyond each end: the loading plane is a symmetry plane."""
     return np.concatenate([values[..., 1:2], values, values[..., -2:-1]], axis=-1)
 
 
-def _second_difference(pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+def _second_difference(pressure: Array) -> Array:
     """Return second difference around each ring over the ring's mean pressure, see above; 0 without any pressure."""
     ring = _mirrored(pressure)
     share = np.ones(pressure.shape[-1])
@@ -258,7 +258,7 @@ def _second_difference(pressure: NDArray[np.float64]) -> NDArray[np.float64]:
     return (ring[..., :-2] - 2.0 * pressure + ring[..., 2:]) / np.where(mean > 0.0, mean, np.inf)
 
 
-def _swing(difference: NDArray[np.float64]) -> NDArray[np.float64]:
+def _swing(difference: Array) -> Array:
     """Return smallest size of three second differences that follow each other, where their signs alternate, else 0."""
     ring = _mirrored(difference)
     before, here, after = ring[..., :-2], difference, ring[..., 2:]
@@ -266,13 +266,13 @@ def _swing(difference: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where((before * here < 0.0) & (here * after < 0.0), size, 0.0)
 
 
-def _isolated_open(pressure: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _isolated_open(pressure: Array) -> Marks:
     """Return True where a station carries nothing and both neighbours in its ring do."""
     loaded = _mirrored(pressure) > 0.0
     return ~loaded[..., 1:-1] & loaded[..., :-2] & loaded[..., 2:]
 
 
-def _place(path: xr.Dataset, measure: NDArray[np.float64]) -> str:
+def _place(path: xr.Dataset, measure: Array) -> str:
     """Return words for the place of the largest value; empty where all are 0."""
     if not measure.any():
         return ""

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
 from pysprings.macro.capacity import past_ends
 from pysprings.macro.response import Support
@@ -22,7 +22,6 @@ from pysprings.springs.path_ends import MESH_ERROR
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
 
-Array = NDArray[np.float64]
 
 _KEPT = (
     "Conventions",

@@ -9,9 +9,9 @@ from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_arrays
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, in_plane
 from pysprings.macro.answer import Way, answer_dataset
@@ -25,8 +25,6 @@ from pysprings.macro.vertical_answer import vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
 
 _GIVEN = ("H", "M", "V", "H_x", "H_y", "M_x", "M_y", "T", "direction", "rot_z")
 _IN_PLANE = ("utilisation", "utilisation_V", "capacity_H", "capacity_M", "capacity_V")
@@ -113,7 +111,7 @@ def _off_plane(answers: xr.Dataset, across: Array) -> xr.Dataset:
     return found.assign(values | {"why_not": ("case", np.array(why, dtype=object))})
 
 
-def _blank(answers: xr.Dataset, inside: NDArray[np.bool_], kept: tuple[str, ...]) -> xr.Dataset:
+def _blank(answers: xr.Dataset, inside: Marks, kept: tuple[str, ...]) -> xr.Dataset:
     """Return answers whose numbers, but for those to be kept, are NaN in cases that are not inside (n,)."""
     numbers = [str(name) for name, each in answers.items() if each.dtype.kind == "f" and name not in kept]
     return answers.assign({name: answers[name].where(xr.DataArray(inside, dims="case")) for name in numbers})
@@ -150,9 +148,7 @@ def answer_from_all_sides(
     return found if space is None else _by_space(found, space, (aside, V), extrapolate)
 
 
-def _by_space(
-    found: xr.Dataset, space: SpaceAnswers, cases: tuple[NDArray[np.bool_], Array], extrapolate: bool
-) -> xr.Dataset:
+def _by_space(found: xr.Dataset, space: SpaceAnswers, cases: tuple[Marks, Array], extrapolate: bool) -> xr.Dataset:
     """Return answers with those of springs in space to cases aside of one plane, (marks (n,), V (n,) [N])."""
     aside, V = cases
     rows = np.flatnonzero(aside)
@@ -208,7 +204,7 @@ def _range_of(springs: Any, path: str | None) -> tuple[float, float] | None:
     return (sets[0].V, sets[-1].V) if len(sets) > 1 else None
 
 
-def _alike(V: Array, own: tuple[float, float] | None) -> Iterator[tuple[float | None, NDArray[np.int64]]]:
+def _alike(V: Array, own: tuple[float, float] | None) -> Iterator[tuple[float | None, Integers]]:
     """Yield vertical loads [N] and the places in V (n,) that take the springs at them; None: those at rest.
 
     Between the loads of `own` every V has its own springs, beyond them those of the end; where it is None all have one.
@@ -220,7 +216,7 @@ def _alike(V: Array, own: tuple[float, float] | None) -> Iterator[tuple[float | 
         yield (None if own is None or np.isnan(value) else float(value)), rows
 
 
-def _joined(parts: list[_Part], order: NDArray[np.int64]) -> xr.Dataset:
+def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
     """Return answers of several models, by case, as one dataset in an order; attributes are those that all have."""
     first = parts[0]
     data = {
@@ -283,5 +279,5 @@ _UNITS = {
 }  # fmt: skip
 
 
-def _reasons(past: Any, sideways: Any, down: Any, lost: Any) -> Iterator[tuple[NDArray[np.bool_], str]]:
+def _reasons(past: Any, sideways: Any, down: Any, lost: Any) -> Iterator[tuple[Marks, str]]:
     yield from ((past, PAST), (sideways, SIDEWAYS), (down, DOWN), (lost, LOST))

@@ -25,9 +25,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.arrays import Array, Integers, Marks, Texts
 from pysprings.core.loads import close_loads
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
@@ -41,8 +41,6 @@ from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 if TYPE_CHECKING:
     from pysprings.macro.model import MacroModel
 
-Array = NDArray[np.float64]
-Texts = NDArray[np.object_]
 
 GONE, FLAT = 0.02, 0.1
 STEPS = 24
@@ -183,7 +181,7 @@ class _Ways:
         across = np.abs(d[:, 1]) * load[0] + np.abs(d[:, 0]) * load[1] / length
         return cls(model, d, G, C, np.stack([reach, across], axis=1))
 
-    def follow(self, starts: Array, s: Array) -> tuple[Array, Array, NDArray[np.int64]]:
+    def follow(self, starts: Array, s: Array) -> tuple[Array, Array, Integers]:
         """Return states and loads (n, k, 2) at s (n, k) from states at the first s, and how many were reached (n,)."""
         aims = np.stack([s, np.zeros_like(s)], axis=-1)
         states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(s), dtype=np.int64)
@@ -295,9 +293,6 @@ def _origin(model: MacroModel, state: Array) -> str:
     """Return words for the paths that the springs at a state (2,) come from."""
     names = [f"'{name}'" for name in model.response.paths_at(state[None])[0]]
     return f"{'paths' if len(names) > 1 else 'path'} {' and '.join(names)}"
-
-
-Marks = NDArray[np.bool_]
 
 
 def past_ends(

@@ -42,8 +42,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import VERTICAL
@@ -61,8 +61,6 @@ from pysprings.springs.checks import SCHEMA
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
-
-Array = NDArray[np.float64]
 
 AT_LOAD = {"long_name": "lateral displacement of the lid centre under the load of the full model", "units": "m"}
 # columns of a comparison without a row: no path has springs that answer

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.core.text import suggestion
 from pysprings.springs.path import SpringPath
@@ -35,7 +35,6 @@ MIN_GROWTH = 1e-7
 # A reaction may pull along with its displacement (a negative spring) up to this share of its largest value.
 MAX_NEGATIVE = 0.02
 
-Array = NDArray[np.float64]
 Slice = tuple[float, float]  # depth and height [m] of what a reaction acts on; tip and lid have no height
 
 
@@ -67,9 +66,9 @@ class SpringTable:
     q: Array
     r: Array
     slope: Array
-    count: NDArray[np.int64]
-    natural: NDArray[np.bool_]
-    cut: NDArray[np.bool_]
+    count: Integers
+    natural: Marks
+    cut: Marks
 
     @property
     def range(self) -> Array:
@@ -83,7 +82,7 @@ class SpringTable:
         return out
 
     @property
-    def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
+    def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, Integers]:
         """The rows as the solver reads them."""
         return self.a, self.b, self.q, self.r, self.slope, self.count
 

@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.columns import Column, Table, records
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import PATH_KINDS
@@ -165,8 +165,6 @@ def _work(motions: Array, loads: Array) -> Array:
     mean = 0.5 * (loads[1:] + loads[:-1])
     return np.concatenate([[0.0], np.cumsum((mean * np.diff(motions, axis=0)).sum(axis=1))])
 
-
-Array = NDArray[np.float64]
 
 _FAMILIES = ("p", "m", "t", "H_tip", "M_tip", "H_lid", "M_lid", "V_tip", "V_lid", "w", WATER)
 _VERTICAL = ("t", "V_tip", "V_lid", "w")

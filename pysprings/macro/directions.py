@@ -7,12 +7,10 @@ caisson is the same in all directions: a load whose H and M lie in one vertical 
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.loads import InPlane
 from pysprings.core.text import number
-
-Array = NDArray[np.float64]
 
 _OFF_PLANE = "springs answer in one vertical plane"
 _LEAST = "rot_z is T over the torsional stiffness at rest, the least twist: H and T share friction, which is left out"

@@ -20,13 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.macro.solver import fan_rows
 from pysprings.springs.path import STRAIGHT, SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import action
-
-Array = NDArray[np.float64]
 
 # Between rays farther apart than this an answer is marked off_path [rad].
 WIDEST = np.radians(60.0)
@@ -69,10 +68,10 @@ class FanTable:
     length: float
     angle: Array
     rho: Array
-    count: NDArray[np.int64]
+    count: Integers
     name: NDArray[np.str_]
     depth: Array
-    even: NDArray[np.bool_]
+    even: Marks
     b: Array
     r: Array
     slope: Array
@@ -83,9 +82,9 @@ class FanTable:
         return self.rho[np.arange(self.count.size), self.count - 1]
 
     @property
-    def wet(self) -> NDArray[np.bool_]:
+    def wet(self) -> Marks:
         """Which rows (rows,) are p_water; none where no water carries a part of p."""
-        rows: NDArray[np.bool_] = self.name == WATER
+        rows: Marks = self.name == WATER
         return rows
 
     @property
@@ -95,7 +94,7 @@ class FanTable:
         return np.maximum((np.abs(self.b) * peak[:, None]).sum(axis=0), 1e-300)
 
     @property
-    def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, NDArray[np.int64]]:
+    def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, Integers]:
         """The loads (H, M) along each ray as the solver reads them: rows 2k and 2k+1 are those of ray k."""
         n = self.angle.size
         loads, slopes = (np.tensordot(x, self.b, axes=(0, 0)).transpose(0, 2, 1) for x in (self.r, self.slope))
@@ -175,9 +174,7 @@ def build_fan(springs: Springs) -> FanTable:
     return FanTable(tuple(springs.rays), length, angle, rho, count, name, place, even, b, r, slope)
 
 
-def _layout(
-    depth: Array, dz: Array, length: float, sides: int
-) -> tuple[NDArray[np.str_], Array, NDArray[np.bool_], Array]:
+def _layout(depth: Array, dz: Array, length: float, sides: int) -> tuple[NDArray[np.str_], Array, Marks, Array]:
     """Return the name, depth, parity and action on (H, M) of the rows, in the order of `reaction_rows`."""
     n, wet = depth.size, sides * depth.size
     name = np.array(["p"] * n + ["m"] * n + ["t"] * n + [*_ENDS, *_VERTICAL] + [WATER] * wet)

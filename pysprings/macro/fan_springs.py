@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.macro.fan import WIDEST, FanTable, secant_slopes
 from pysprings.macro.response import Response, Support
@@ -25,9 +25,6 @@ from pysprings.macro.ways import RANGE_SLACK, ROUNDING, Control
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 _KNOTS = 1e-6  # share by which motions of modes may end before those of the paths (rounding)
 BAND = 1.96  # deviations within which an answer is meant to lie

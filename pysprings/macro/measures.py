@@ -18,12 +18,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.springs.path import SpringPath
-
-Array = NDArray[np.float64]
 
 # Relative errors leave out states below this share of the largest displacement (or rotation) of the path.
 SKIP_BELOW = 0.01
@@ -81,7 +79,7 @@ def between(by_name: Mapping[str, float]) -> dict[str, float]:
     return {f"{label}_error_between_pct": by_name.get(f"{label}_error_max_pct", np.nan) for label in _ERRORS}
 
 
-def _counted(x: Array) -> NDArray[np.bool_]:
+def _counted(x: Array) -> Marks:
     """Return which states (n,) count in relative errors: large enough."""
     return (np.abs(x) >= SKIP_BELOW * np.abs(x).max(initial=0.0)) & (x != 0.0)
 

@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import close_loads
 from pysprings.core.text import number
@@ -26,8 +27,6 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import UNKNOWN, PathEnd
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
-
-Array = NDArray[np.float64]
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
 AT_RATE = "water flows in the ground: the springs are those of {:.3g} mm/s (of rho); what takes longer drains more"

@@ -39,9 +39,9 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_arrays, check_numbers, check_rows
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Care, MacroWarning, PredictionNotConverged, raise_or_warn, trace
 from pysprings.macro.capacity import with_capacity
@@ -54,7 +54,6 @@ __all__ = [
     "raise_or_warn", "sequence",
 ]  # fmt: skip
 
-Array = NDArray[np.float64]
 
 STEPS = 25  # on the way from the origin to one load or motion
 

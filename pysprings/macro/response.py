@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.text import with_prefix
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.solver import ROWS, SpringArrays, follow, reactions, row_values, solve_cases, tangents
@@ -23,15 +24,9 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
 
 if TYPE_CHECKING:
-    from pysprings.macro.curve_table import SpringTable
     from pysprings.macro.fan import FanTable
     from pysprings.macro.vertical import VerticalTable
-    from pysprings.springs.path import SpringPath
-    from pysprings.springs.path_ends import PathEnd
 
-
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 ELASTIC = "the springs are nonlinear elastic: a path that turns back goes back on the same curve, without hysteresis"
 
@@ -375,7 +370,7 @@ def past_peak(table: SpringTable, states: Array) -> tuple[Marks, list[str]]:
     lowest = np.where(behind, size, np.inf).min(axis=1)
     soft = lowest < (1.0 - FALL) * peak
     past = soft & (np.abs(table.read(states).T) > peak_at)
-    marks: NDArray[np.bool_] = past.any(axis=1)
+    marks: Marks = past.any(axis=1)
     if not marks.any():
         return marks, []
     row = int(np.flatnonzero(past.any(axis=0))[0])

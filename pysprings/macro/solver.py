@@ -19,11 +19,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers
 from pysprings.core.jit import jitted
-
-Array = NDArray[np.float64]
 
 MAX_ITERATIONS = 30
 # Residual at rest, relative to the size of the equation (forces: to what all springs can build up).
@@ -56,7 +54,7 @@ class SpringArrays(NamedTuple):
     knots: Array
     values: Array
     slopes: Array
-    sizes: NDArray[np.int64]
+    sizes: Integers
 
 
 class Drive(NamedTuple):

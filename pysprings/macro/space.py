@@ -11,10 +11,10 @@ from typing import Any, Literal, Protocol, Unpack
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.arguments import check_arrays, check_rows
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import HELD_BACK
 from pysprings.macro.answer import Care, raise_or_warn
@@ -24,7 +24,6 @@ from pysprings.springs.path import SPACE_TURNS, SpacePath, in_planes
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import ZONE
 
-Array = NDArray[np.float64]
 SpaceControl = Literal["load", "state"]
 MEMORY, TWIST = "memory", "twist"  # the spring set that answers; the kind of path that calibrates its torsion
 _PARTS = np.array([[1.0, 1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.0]])  # of motions: all but the twist, and that

@@ -10,10 +10,10 @@ from typing import Any, TypedDict, Unpack
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.arguments import check_numbers
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MOTIONS
 from pysprings.core.variables import known_torsion
@@ -21,8 +21,6 @@ from pysprings.macro.answer import Care
 from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import Asking, impose, model_of, predict
-
-Array = NDArray[np.float64]
 
 DOFS = MOTIONS
 NO_TORSION = "torsion (rot_z) is not known, as no full model has computed it: its row and column are 0"

@@ -21,14 +21,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import close_loads, same_load
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes, secant_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
 
 BISECTIONS = 60
 # A curve whose last step is less than this share of its initial stiffness carries no more: V has reached its capacity
@@ -203,9 +202,9 @@ def share_left(table: VerticalTable | None, V: Array, own: Array) -> Array:
         return np.where(alike, 1.0, (V - end) / (own - end))
 
 
-def covered(table: VerticalTable | None, V: Array, own: Array) -> NDArray[np.bool_]:
+def covered(table: VerticalTable | None, V: Array, own: Array) -> Marks:
     """Return for which V (n,) [N] the lateral springs at V `own` (n,) hold: within 10 %, and not near its capacity."""
-    held: NDArray[np.bool_] = close_loads(V, own) & ~(share_left(table, V, own) < 1.0 - LOST_NEAR)
+    held: Marks = close_loads(V, own) & ~(share_left(table, V, own) < 1.0 - LOST_NEAR)
     return held
 
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load, same_loads
 from pysprings.core.text import with_prefix
@@ -22,15 +22,13 @@ from pysprings.core.words import RANGE_END
 from pysprings.macro.response import list_of, other_load
 from pysprings.macro.vertical import FLAT, Branch, VerticalTable, covered, share_left
 from pysprings.springs.path import SpringPath
-from pysprings.springs.path_ends import LIMIT_LOAD
+from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from pysprings.macro.model import MacroModel
-    from pysprings.springs.path_ends import PathEnd
 
-Array = NDArray[np.float64]
 
 # A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
 SLACK = 1e-6
@@ -237,7 +235,7 @@ def _is_flat(branch: Branch) -> bool:
     return bool(branch.sign * chord < FLAT * abs(branch.slope[-1, 0]))
 
 
-def past_elastic(model: Carrier, V: Array, elastic: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], list[str]]:
+def past_elastic(model: Carrier, V: Array, elastic: Marks) -> tuple[Marks, list[str]]:
     """Return which vertical loads V (n,) [N] are beyond an elastic stiffness, of those it answers, and a sentence."""
     low, high = model.elastic_loads
     marks = elastic & ((low > V) | (high < V)) & ~same_loads(V, low) & ~same_loads(V, high)

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import loads_in_words, same_load
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
@@ -22,8 +22,6 @@ from pysprings.springs.path import SAME_DIRECTION
 if TYPE_CHECKING:
     from pysprings.macro.response import Response
 
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 Control = Literal["displacement", "rotation", "load", "state"]
 
 

@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.macro.fan import FanTable
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE
 from pysprings.memory.offered import Candidates, Known, Offered, around, candidates, elastic_motions, force_directions
 from pysprings.memory.shares import Sample, Shares, at_rest, shares_of, stiffnesses
-
-Array = NDArray[np.float64]
 
 STIFFNESS = 0.1  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
@@ -125,9 +123,7 @@ def calibrate(
     return ElementSet(rows, reach, shares, left, errors, longest)
 
 
-def fitted(
-    choice: Offered, known: Sequence[Known], stiffness: Array, largest: float
-) -> tuple[Array, float, NDArray[np.bool_]]:
+def fitted(choice: Offered, known: Sequence[Known], stiffness: Array, largest: float) -> tuple[Array, float, Marks]:
     """Return elements (n, COLUMNS) chosen from those offered, the relative residual, and which are chosen.
 
     known: ways with their loads, in the plane of x or in space. largest: step of a motion [m].
@@ -147,13 +143,13 @@ def numbers_of(rows: Array) -> int:
     return int(_numbers(rows[:, 0]).sum())
 
 
-def _numbers(kind: Array) -> NDArray[np.int64]:
+def _numbers(kind: Array) -> Integers:
     return np.where(kind == REVERSIBLE, 0, np.where(kind == PLASTIC, PLASTIC_NUMBERS, PLATE_NUMBERS))
 
 
 def strongest(
-    rows: Array, choice: Offered, known: Sequence[Known], largest: float, limit: tuple[NDArray[np.int64], int]
-) -> NDArray[np.bool_]:
+    rows: Array, choice: Offered, known: Sequence[Known], largest: float, limit: tuple[Integers, int]
+) -> Marks:
     """Return which elements carry most along the ways, as many as have at most so many numbers together.
 
     rows (n, COLUMNS): those offered, with their stiffness. limit: numbers of each element (n,), and the most of all.
@@ -218,7 +214,7 @@ def _forces(rows: Array, e: Array) -> Array:
     return forces
 
 
-def _merged(choice: Offered, factors: Array, least: float) -> tuple[Array, NDArray[np.bool_]]:
+def _merged(choice: Offered, factors: Array, least: float) -> tuple[Array, Marks]:
     """Return the chosen elements (n, COLUMNS) with stiffness, and which of all that are offered they are."""
     m, plastic, rows = force_directions(), choice.plastic, choice.rows.copy()
     n = int(plastic.sum())

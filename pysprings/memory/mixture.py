@@ -28,16 +28,14 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import same_load
 from pysprings.macro.solver import Drive
 from pysprings.memory.calibration import ElementSet
 from pysprings.memory.elements import PLATES, STATES, advance, follow, relax
 from pysprings.memory.shares import Shares, elastic_of, stiffnesses, ways_of
 from pysprings.memory.water import Water
-
-Array = NDArray[np.float64]
 
 PARTS = 20  # steps in which V passes the range of the loads
 FIRST, WIDEST = (1.0, 4.0), 1e3  # V_virgin and V_reload where a fit starts, and their largest value, over that range
@@ -129,7 +127,7 @@ class ChangingLoad:
         """Largest step of a motion [m]."""
         return min(each.largest for each in self.sets)
 
-    def covers(self, V: Array) -> NDArray[np.bool_]:
+    def covers(self, V: Array) -> Marks:
         """Return whether vertical loads (n,) [N] lie within those of the sets."""
         low, high = self.loads[[0, -1]]
         return np.array([low <= load <= high or same_load(load, low) or same_load(load, high) for load in V])
@@ -201,7 +199,7 @@ class ChangingLoad:
             yield q, states, F, K
 
     @property
-    def odd(self) -> NDArray[np.bool_]:
+    def odd(self) -> Marks:
         """Which reactions (rows,) change their sign with the motion."""
         return self.sets[0].shares.odd
 

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.text import with_prefix
@@ -24,9 +24,6 @@ from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
 from pysprings.memory.shares import elastic_motions, loads_of
 from pysprings.memory.space import SHARE_NOTHING
 from pysprings.springs.path import TOGETHER
-
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 _NOT_ASKED = {
     "cases": "springs with memory answer sequences, not independent cases: ask for 'fan'",

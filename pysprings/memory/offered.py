@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.memory.elements import (
     COLUMNS,
     FRICTIONAL,
@@ -36,8 +36,6 @@ from pysprings.memory.elements import (
     round_histories,
 )
 from pysprings.memory.shares import even_motions
-
-Array = NDArray[np.float64]
 
 DIRECTIONS = 9  # of gauges, over 180 degrees
 ASPECTS = (0.1, 0.3)  # of a gauge across its direction: there an element yields at 1/aspect of the motion
@@ -84,7 +82,7 @@ class Candidates(NamedTuple):
             reversible_rows(self.reversible),
         )
 
-    def chosen(self, which: NDArray[np.bool_]) -> Candidates:
+    def chosen(self, which: Marks) -> Candidates:
         """Return those of all elements, in the order of the kinds, that are marked."""
         parts = np.split(which, np.cumsum([len(own) for own in self[:-1]]))
         return Candidates(*(own[part] for own, part in zip(self, parts, strict=True)))
@@ -208,7 +206,6 @@ def force_directions() -> Array:
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
-Marks = NDArray[np.bool_]
 Known = tuple[Array, Array, Array]  # a way: motions (n, 2) or (n, 5) [m], loads (n, 2) or (n, 4) [N], weights (n,)
 
 AZIMUTHS = 6  # planes over 180 degrees in which spread elements stand
@@ -296,7 +293,7 @@ def _share(rows: Array, share: float) -> None:
     rows[~plate, 4:7] *= share
 
 
-def numbers_of(rows: Array, spread: Marks) -> NDArray[np.int64]:
+def numbers_of(rows: Array, spread: Marks) -> Integers:
     """Return how many numbers the state of each element has in space."""
     own = np.where(spread, STATES * AZIMUTHS, SPACE_STATES)
     return np.where(rows[:, 0] == REVERSIBLE, 0, own)

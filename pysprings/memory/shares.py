@@ -23,8 +23,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.macro.fan import FanTable, reaction_rows
 from pysprings.macro.solver import FAN, SpringArrays, solve_cases
 from pysprings.macro.ways import RANGE_SLACK, equations
@@ -32,8 +32,6 @@ from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIB
 from pysprings.memory.water import Water, ridge_fit, water_of
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
 
 STEP = 10  # degrees between ways from the origin
 POINTS, FIRST = 20, 1.0 / 500.0  # of a way, and its first point as a share of the last one
@@ -177,7 +175,7 @@ class Shares:
     water : the water's part of p, in place of S and D of its rows; None where there is none.
     """
 
-    odd: NDArray[np.bool_]
+    odd: Marks
     rest: Array
     loads: Array
     elastic: Array

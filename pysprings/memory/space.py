@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.variables import TORSION
 from pysprings.macro.fan import FanTable
 from pysprings.memory import offered
@@ -35,8 +35,6 @@ from pysprings.memory.shares import RIDGE, Sample, heave_of, heave_weights, load
 from pysprings.memory.water import ridge_fit
 from pysprings.springs.path import SpacePath
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
 
 WEIGHT, FLOOR = 2.0, 0.1  # of a path out of the plane beside a ray; errors are relative to this share of its load
 PER_REACH = 0.4  # largest motion of rays that turn back, over the reach: places on a path follow from it

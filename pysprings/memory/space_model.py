@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import same_loads
 from pysprings.core.text import with_prefix
@@ -36,8 +37,6 @@ from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, in_plan
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
 
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 BOTH_ACT = 0.02  # share of the load above which torsion and lateral loads act together
 MISSING = (
     "no complete path that leaves the plane calibrates them: one plane does not show how the soil reacts to loads from "

@@ -4,9 +4,9 @@
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pysprings.core.arguments import check_numbers
+from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import loads_in_words
 from pysprings.macro.fan import WIDEST, FanTable
@@ -17,8 +17,6 @@ from pysprings.memory.mixture import ChangingLoad, Step
 from pysprings.memory.model import MemorySprings, off_rate
 from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
-
-Array = NDArray[np.float64]
 
 _NO_ANSWER = "the elements carry no more than {} on the way to this step"
 

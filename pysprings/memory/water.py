@@ -18,8 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.jit import jitted
 
 
@@ -68,8 +68,6 @@ def relaxed(e, time, times, out):
         _relax(e[i], e[i + 1], time[i + 1] - time[i], times, state)
         out[i] = state
 
-
-Array = NDArray[np.float64]
 
 # Relaxation times, over that of a ray to the reach: none is much longer than the ways, which would not determine it
 TIMES = (0.0015, 0.015, 0.15, 1.5)

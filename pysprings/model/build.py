@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fe_engine.elements import hex8, interface, rigid, solid_shell
 from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
 from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Model
+from pysprings.core.arrays import Array
 from pysprings.model.contact import SURFACE, contact_of
 from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometry, make_mesh, refine
 from pysprings.model.soil_laws import soil_materials
@@ -234,7 +234,6 @@ def _constraints(scene: Scene, caisson: CaissonMesh) -> tuple[np.ndarray, dict[i
 
 # --- signs of the field in a model of the engine ---
 
-Array = NDArray[np.float64]
 # u_x, u_y, w, rot_x, rot_y, rot_z of the field over those of the engine
 SIGNS = np.array([1.0, -1.0, 1.0, 1.0, -1.0, -1.0])
 

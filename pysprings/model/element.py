@@ -16,17 +16,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fe_engine.conventions import OK
 from fe_engine.material import Material
 from fe_engine.soil.law import Point
+from pysprings.core.arrays import Array, Integers
 from pysprings.core.words import ElementTest
 from pysprings.model.soil_laws import material_at
 from pysprings.scene.by_depth import Value
 from pysprings.scene.ground import Stratum
-
-Array = NDArray[np.float64]
 
 MAX_ITERATIONS, MAX_HALVINGS, MAX_CUTS = 40, 12, 10
 TOLERANCE = 1.0e-9  # residual over the stress of the specimen
@@ -136,7 +134,7 @@ def schedule(end: float) -> Array:
 
 
 def drive(
-    material: Material, start: Array, direction: Array, held: NDArray[np.int64], strains: Array
+    material: Material, start: Array, direction: Array, held: Integers, strains: Array
 ) -> tuple[Array, Array, str]:
     """Return strains (n, 6), stresses (n, 6), and why it stopped, along strains (n - 1,) times a direction (6,).
 
@@ -167,7 +165,7 @@ def _rows(states: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 
 def _advance(
-    update: Any, p: Array, old: Point, imposed: Array, held: NDArray[np.int64], aim: tuple[Array, Array, float]
+    update: Any, p: Array, old: Point, imposed: Array, held: Integers, aim: tuple[Array, Array, float]
 ) -> tuple[Array, Point] | None:
     """Return the strain increment (6,) and the state after it; None where Newton's method finds none.
 

@@ -10,7 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
+
+import xarray as xr
 
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.progress import Progress
@@ -31,14 +33,10 @@ from pysprings.results.exporters.csv import write_frame, write_load_displacement
 from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
 from pysprings.results.report.page import write_report
 from pysprings.results.summary import summary
+from pysprings.scene.model import Scene
 from pysprings.springs.checks import extract_springs, save_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from pysprings.scene.model import Scene
 
 T = TypeVar("T")
 NOT_YET = "not made yet"

@@ -7,7 +7,9 @@ import os
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
+
+import xarray as xr
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import beam_order, has_free_head
@@ -15,9 +17,6 @@ from pysprings.core.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.full_model.run_record import ATTRIBUTE
 from pysprings.results.exporters import EXPORTERS
 from pysprings.springs.checks import RESULT
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FIGURES = "figures"  # folder of the pictures
 PARAVIEW = "paraview"  # folder of the files for ParaView: the name of that exporter

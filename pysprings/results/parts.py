@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.full_model.run_record import ATTRIBUTE, RunRecord
 from pysprings.springs.path import paths_of
 
@@ -95,7 +95,7 @@ def _tolerance(run_json: str) -> float | None:
     return None if record is None or record.solver.tolerance is None else float(record.solver.tolerance)
 
 
-def converged(path: xr.Dataset) -> NDArray[np.bool_]:
+def converged(path: xr.Dataset) -> Marks:
     """Return which steps of a path (or of a prediction) converged, shape (step,)."""
     if "converged" not in path:
         return np.ones(path.sizes["step"], dtype=bool)
@@ -159,7 +159,7 @@ def openings(path: xr.Dataset, step: int) -> list[Opening]:
     return widest
 
 
-def skirt_gap(path: xr.Dataset, step: int, side: str) -> NDArray[np.float64]:
+def skirt_gap(path: xr.Dataset, step: int, side: str) -> Array:
     """Return the opening [m] of one side, shape (depth, azimuth); penetration counts as closed."""
     values = path["gap"].sel(side=side).transpose("step", "depth", "azimuth").values[step]
     return np.maximum(values, 0.0)
@@ -183,7 +183,7 @@ def _plan_opening(path: xr.Dataset, step: int, surface: str, name: str) -> Openi
     return Opening(name, float(gap[k]), place)
 
 
-def plan_gap(path: xr.Dataset, step: int, surface: str) -> tuple[NDArray[np.float64], ...]:
+def plan_gap(path: xr.Dataset, step: int, surface: str) -> tuple[Array, ...]:
     """Return x, y and opening [m] of the stations under the lid or the tip, each (point,)."""
     gap = path[f"{surface}_gap"].transpose("step", f"{surface}_point").values[step]
     return path[f"{surface}_x"].values, path[f"{surface}_y"].values, np.maximum(gap, 0.0)
@@ -201,7 +201,7 @@ class Attempt:
 
     step: int
     number: int
-    rows: NDArray[np.int64]
+    rows: Integers
     iterations: int
     accepted: bool
 

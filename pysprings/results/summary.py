@@ -7,25 +7,22 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from pysprings.core.errors import PyspringsError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
+from pysprings.full_model.run_record import RunRecord
 from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
 from pysprings.scene.model import Scene, caisson_text, ground_text
 from pysprings.springs.card import stiffness_words
 from pysprings.springs.path import paths_of
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from pysprings.full_model.run_record import RunRecord
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import kind_of
 from pysprings.core.text import number
 from pysprings.full_model.run_record import RunRecord
 from pysprings.springs.path import paths_of
-
-Array = NDArray[np.float64]
 
 POINTS = 200  # of the range that both paths have, where their loads are compared
 

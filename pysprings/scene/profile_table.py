@@ -26,9 +26,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, Table, TableNote, one_table, split
 from pysprings.core.tables.files import is_blank
@@ -39,8 +39,6 @@ from pysprings.scene.by_depth import Profile, disordered, is_range, picked
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
 from pysprings.scene.sections import BY_LAYER, Layer
 from pysprings.scene.soils import SOIL_LAWS
-
-Array = NDArray[np.float64]
 
 TOTAL = "total_unit_weight"  # less that of water it is the effective one
 WATER = 9.81e3  # N/m3

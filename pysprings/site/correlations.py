@@ -11,14 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils.friction import LEAST_STIFFNESS
 from pysprings.scene.soils.sand import mobilisation
 from pysprings.site.sounding import LEAST_STRESS, PA, unit_weight
-
-Array = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s2
 CRITICAL = np.radians(33.0)  # critical-state friction angle of quartz sand (Bolton 1986)
@@ -39,7 +37,7 @@ class Rows:
     index: Array
     density: Array
 
-    def part(self, own: NDArray[np.bool_]) -> Rows:
+    def part(self, own: Marks) -> Rows:
         """Return some of the rows."""
         return Rows(*(getattr(self, each.name)[own] for each in fields(self)))
 
@@ -66,7 +64,7 @@ class Correlation:
     name: str
     range: str
     of: Callable[[Rows], Array]
-    inside: Callable[[Rows], NDArray[np.bool_]]
+    inside: Callable[[Rows], Marks]
 
 
 def _jamiolkowski(rows: Rows) -> Array:
@@ -140,15 +138,15 @@ def _su(factor: float) -> Callable[[Rows], Array]:
     return lambda rows: np.where(rows.net > 0.0, rows.net / factor, np.nan)
 
 
-def _chamber(rows: Rows) -> NDArray[np.bool_]:
+def _chamber(rows: Rows) -> Marks:
     return (rows.effective >= 50e3) & (rows.effective <= 400e3)
 
 
-def _density_in(rows: Rows) -> NDArray[np.bool_]:
+def _density_in(rows: Rows) -> Marks:
     return (rows.density >= 0.1) & (rows.density < 1.0)
 
 
-def _young(rows: Rows) -> NDArray[np.bool_]:
+def _young(rows: Rows) -> Marks:
     return (rows.index >= 1.0) & (rows.index <= 4.0)
 
 

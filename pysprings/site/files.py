@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.tables import ENDINGS, Column, Sheet, Table, TableNote, is_table, one_table, sheets_of, split
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.text import suggestion
@@ -34,8 +34,6 @@ from pysprings.scene.sections import BY_LAYER
 from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
 from pysprings.site.sounding import Sounding, sounding, usable
-
-Array = NDArray[np.float64]
 
 _DEPTHS = ("depth", "z", *NAMES["depth"], "penetration length", "sondeerlengte", "diepte", "tiefe", "scpt dpth")
 _CONE = ("qc", "q c", "cone resistance", "tip resistance", "cone tip resistance", "conusweerstand", "conuswaarde",

@@ -13,16 +13,14 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import one_line
 from pysprings.core.units import quoted
 from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import WATER
 from pysprings.site.sounding import Sounding, sounding, usable
-
-Array = NDArray[np.float64]
 
 MOST_FAULTS = 5  # rows of a file that are named
 MOST_NAMED = 200  # characters of a description

@@ -3,19 +3,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, SKY, new_figure, plain, styled
 from pysprings.site.correlations import SAND, clay
 from pysprings.site.output import VALUES
 from pysprings.site.proposal import LINEAR, Proposal, Unit, Value
 from pysprings.site.sounding import SAND_TO, ZONES
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 PANELS = ("effective_unit_weight", "relative_density", "friction_angle_final", "undrained_shear_strength",
           "shear_modulus")  # fmt: skip

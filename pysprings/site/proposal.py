@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.text import suggestion
 from pysprings.scene.by_depth import WEAKER
@@ -43,8 +43,6 @@ from pysprings.site.sounding import (
     unit_weight,
     zone_name,
 )
-
-Array = NDArray[np.float64]
 
 LINEAR = (
     "undrained_shear_strength",
@@ -228,7 +226,7 @@ def _unit(bed: Bed, index: Array) -> Unit:
     return Unit(bed.top, bed.bottom, short, _kind(bed, index))
 
 
-def _inside(unit: Unit | Bed, depth: Array) -> NDArray[np.bool_]:
+def _inside(unit: Unit | Bed, depth: Array) -> Marks:
     return (depth >= unit.top) & (depth <= unit.bottom)
 
 

@@ -15,13 +15,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import TableNote
 from pysprings.scene.profile_table import WATER
-
-Array = NDArray[np.float64]
 
 PA = 1.0e5  # Pa, atmospheric pressure of the normalisations
 AREA_RATIO = 0.8  # of a cone whose file gives none

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.card import caisson_drawing, card, curves_drawing
 from pysprings.core.text import with_prefix
 
@@ -41,7 +41,7 @@ def stiffness_text(springs: Springs) -> str:
     return stiffness_words(springs.lateral_stiffness if springs.stiffness is None else springs.stiffness)
 
 
-def stiffness_words(k: NDArray[np.float64]) -> str:
+def stiffness_words(k: Array) -> str:
     """Return a stiffness at the lid centre, (3, 3) of u, w, rotation or (2, 2) of u, rotation [N/m, N/rad, N m/rad]."""
     vertical = f"K_V {with_prefix(k[1, 1], 'N/m')}, " if len(k) > 2 else ""
     return (

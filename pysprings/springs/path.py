@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import LOADS, MEMORY, MOTIONS, PathKind, bends, driven, is_straight, kind_of, turns_back
 from pysprings.core.variables import EXTRAPOLATED
@@ -36,7 +36,6 @@ def is_rate(a: float, b: float) -> bool:
     return max(a / b, b / a) <= CLOSE
 
 
-Array = NDArray[np.float64]
 # Motions and loads of a path out of one plane that springs answer; V is given, and w follows
 SPACE_TURNS = tuple(name for name in MOTIONS if name != "w")
 SPACE_LOADS = tuple(name for name in LOADS if name != "V")

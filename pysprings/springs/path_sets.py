@@ -24,12 +24,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_way
 from pysprings.springs.path_ends import KEYS, MESH_ERROR, earlier_end
-
-Array = NDArray[np.float64]
 
 Agree = Callable[[SpringPath, SpringPath], bool]
 
@@ -122,7 +121,7 @@ def _interpolated(x: Array, known: Array, values: Array, axis: int) -> Array:
     return moved
 
 
-def _way(path: SpringPath) -> NDArray[np.float64]:
+def _way(path: SpringPath) -> Array:
     """Return the distance (n,) that each step has come [m]: rho, or |u| where the rotation is free."""
     return np.hypot(path.u, path.turn) if path.is_straight else np.abs(path.u)
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MEMORY
@@ -50,8 +50,6 @@ def check_spread(data: xr.Dataset) -> xr.Dataset:
             raise refused(f"{SPREAD}/{name}", "not finite")
     return data
 
-
-Array = NDArray[np.float64]
 
 KEPT = 64  # derived springs at the most: every vertical load of a table of loads has its own
 

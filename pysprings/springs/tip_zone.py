@@ -8,20 +8,19 @@ the resultant of the edge, not its p.
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import memory_groups
-
-Array = NDArray[np.float64]
 
 EDGE = 0.1  # of the skirt length, above the tip
 ZONE = 0.2  # of the skirt length: the slice at the tip that programs get
 SLIVER = 0.05  # of the skirt length: a thinner slice above the zone joins the next
 
 
-def edge_rings(path: xr.Dataset) -> NDArray[np.bool_]:
+def edge_rings(path: xr.Dataset) -> Marks:
     """Return which depths are edge rings, (depth,): the middle of the slice lies in the last tenth of the skirt.
 
     The last ring is one always, the first never.

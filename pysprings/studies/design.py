@@ -10,16 +10,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+import xarray as xr
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.columns import filled
 from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, close_loads, nearest
 from pysprings.core.storage import replacing, write_text
+from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.text import number
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
@@ -32,14 +34,6 @@ from pysprings.results.report.load_cases import OK
 from pysprings.results.sheets import write_sheet
 from pysprings.springs.path import SPACE_TURNS
 from pysprings.springs.springs import Springs
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from pysprings.core.tables.load_cases import LoadCases
-
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 TILTED, OVERLOADED, PARTLY, UNKNOWN = "tilt exceeded", "overloaded", "supported in part", "no answer"
 # marks of answers that the springs support in part, and their words
@@ -315,7 +309,7 @@ def _bound_words(row: pd.Series) -> str:
     return "bound: " + ", ".join([*found, f"utilisation {number(row['utilisation_bound'], 3)}"])
 
 
-def _with_twist(frame: pd.DataFrame, cases: LoadCases, answers: xr.Dataset, space: NDArray[np.bool_]) -> pd.DataFrame:
+def _with_twist(frame: pd.DataFrame, cases: LoadCases, answers: xr.Dataset, space: Marks) -> pd.DataFrame:
     """Return the answers with the twist, and, where springs in space answer cases (n,), six motions and remarks."""
     out = frame.assign(twist_rad=np.where(cases.torsion != 0.0, answers["rot_z"].values, np.nan))
     least = np.isfinite(out["twist_rad"]) & ~space

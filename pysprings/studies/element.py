@@ -16,6 +16,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused as refused_argument
 from pysprings.core.storage import write_text
 from pysprings.core.tables import Column, Table, one_table
@@ -30,8 +31,6 @@ from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum
 from pysprings.scene.sections import plain_field
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
-
-Array = NDArray[np.float64]
 
 # kind of test -> its strain, and what is measured over it: the first is needed, a fit uses those that are there
 MEASURED: dict[ElementTest, tuple[str, tuple[str, ...]]] = {

@@ -24,11 +24,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import pandas as pd
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import in_plane
 from pysprings.core.tables import Column, one_table
@@ -37,14 +38,8 @@ from pysprings.core.tables.load_cases import OPPOSED, LoadCases
 from pysprings.core.text import number
 from pysprings.core.units import quoted
 from pysprings.macro.batch import answer_loads
+from pysprings.macro.model import AnySprings
 from pysprings.studies.design import answer_cases, verdicts
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from pysprings.macro.model import AnySprings
-
-Array = NDArray[np.float64]
 
 COLUMNS = (
     Column("bucket", TEXT, ("name", "caisson", "leg")), Column.named("x_m", ("east",)), Column.named("y_m", ("north",)),

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Integers
 from pysprings.core.errors import RunIncomplete, refused
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
@@ -204,7 +204,7 @@ def answered(atlas: Atlas, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
     return table
 
 
-def scenes_of(atlas: Atlas, wanted: Wanted, D: float, L: float) -> list[tuple[Scene, NDArray[np.int64]]]:
+def scenes_of(atlas: Atlas, wanted: Wanted, D: float, L: float) -> list[tuple[Scene, Integers]]:
     """Return the scene of each vertical load of the cases for a caisson, with the rows of its cases."""
     found = []
     for V in np.unique(wanted.cases.V):  # of NaN one

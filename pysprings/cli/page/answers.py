@@ -13,12 +13,12 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pysprings.cli.guard import explained
 from pysprings.cli.page.sources import ARM, Field, H, M, Source, Values, command_line
 from pysprings.cli.predict import Question, way_to_load
 from pysprings.cli.support import quantities
+from pysprings.core.arrays import Array
 from pysprings.core.errors import PyspringsError
 from pysprings.core.units import si_of
 from pysprings.macro.capacity import Capacities, capacities
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from pysprings.macro.model import MacroModel
 
-Array = NDArray[np.float64]
 
 DIRECTIONS = 24  # of the half plane of H and M/L; the other half mirrors them
 SHORT = 0.999  # of the largest load, up to which the curve goes on

@@ -15,16 +15,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.loads import ROUNDING, in_plane
 from pysprings.core.tables import Column, Table, one_table
 from pysprings.core.tables.files import text_of
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.text import MOST_LETTERS, number
 from pysprings.core.units import quoted
-
-Array = NDArray[np.float64]
 
 TEXTS = ("name", "limit_state")
 _NAMES = {
@@ -81,7 +79,7 @@ class LoadCases:
     file: str
     name: tuple[str, ...]
     limit_state: tuple[str, ...]
-    line: NDArray[np.int64]
+    line: Integers
     H: Array
     M: Array
     V: Array
@@ -100,20 +98,20 @@ class LoadCases:
         return np.stack([self.H, self.M], axis=1)
 
     @property
-    def lateral(self) -> NDArray[np.bool_]:
+    def lateral(self) -> Marks:
         """Which cases have a lateral load or a moment."""
-        lateral: NDArray[np.bool_] = (self.H != 0.0) | (self.M != 0.0) | (self.across != 0.0)
+        lateral: Marks = (self.H != 0.0) | (self.M != 0.0) | (self.across != 0.0)
         return lateral
 
     @property
-    def aside(self) -> NDArray[np.bool_]:
+    def aside(self) -> Marks:
         """Which cases have a moment across the plane of H, or a torsion."""
         return (self.across != 0.0) | (self.torsion != 0.0)
 
     @property
-    def opposed(self) -> NDArray[np.bool_]:
+    def opposed(self) -> Marks:
         """Which cases have an M that turns against H, as a load below mudline does."""
-        opposed: NDArray[np.bool_] = self.H * self.M < 0.0
+        opposed: Marks = self.H * self.M < 0.0
         return opposed
 
     @property
@@ -124,23 +122,23 @@ class LoadCases:
             texts.append("; ".join(filter(None, (text, below_mudline(H, M) if opposed else ""))))
         return tuple(texts)
 
-    def twisted(self, radius: float | None) -> NDArray[np.bool_]:
+    def twisted(self, radius: float | None) -> Marks:
         """Return which cases have a torsion that `bounded` does not bound: T/R above half of (H, M/D), or R unknown.
 
         T alone fails by friction on the wall, H by the ground: T/R is below the largest H where T has its own capacity.
         """
         if radius is None:
             return self.torsion != 0.0
-        twisted: NDArray[np.bool_] = self.torsion_share(radius) > 1.0
+        twisted: Marks = self.torsion_share(radius) > 1.0
         return twisted
 
-    def torsion_share(self, radius: float) -> NDArray[np.float64]:
+    def torsion_share(self, radius: float) -> Array:
         """Return T over the largest one that `bounded` bounds in a caisson of a radius [m], (n,); inf for T alone."""
         size = np.hypot(radius * self.H, 0.5 * np.hypot(self.M, self.across))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.torsion != 0.0, np.abs(self.torsion) / (0.5 * size), 0.0)
 
-    def bounded(self, radius: float | None, kept: bool | NDArray[np.bool_] = False) -> LoadCases:
+    def bounded(self, radius: float | None, kept: bool | Marks = False) -> LoadCases:
         """Return the cases in one plane and without torsion, with loads on the safe side, and remarks that say so.
 
         All of the moment acts in the plane of H and overturns, and T over the radius of the caisson [m] is added to H

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables.files import (
     Cell,
@@ -32,8 +32,6 @@ from pysprings.core.tables.files import (
 )
 from pysprings.core.tables.headings import TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
 from pysprings.core.units import LARGEST, fault, quoted
-
-Array = NDArray[np.float64]
 
 Reshape = Callable[[list[str], list[Line]], tuple[list[str], list[Line]]]
 Assume = Callable[[Sequence[str]], Mapping[str, str]]
@@ -77,7 +75,7 @@ class Table:
     place: str
     head: list[str]
     rows: list[list[Cell]]
-    lines: NDArray[np.int64]
+    lines: Integers
     faults: Faults
     head_line: int = 1
     columns: dict[str, tuple[int, Heading]] = field(default_factory=dict)

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
 
+from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import PATH_KINDS, kind_of
 from pysprings.macro.measures import eta
 from pysprings.springs.path import paths_of
@@ -144,8 +145,6 @@ def first_secant(stiffness: Array, path: xr.Dataset) -> float | None:
     secant = (load_of(path)[1] - load_of(path)[0]) / (driven[1] - driven[0])
     return float(secant) / initial_stiffness(stiffness, path)
 
-
-Array = NDArray[np.float64]
 
 POINTS = 40
 _IMPOSED = {"twist": ("rot_z",), "pull": ("u_x", "u_y")}  # motions along which paths off a plane are compared

@@ -24,11 +24,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from fe_engine.clock import Clock
 from pysprings.core import variables
+from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.variables import EXTRAPOLATED
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
 
-Array = NDArray[np.float64]
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
 ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
 LEAST_RATIO = 1.6  # of the cells: closer meshes would multiply what is not of the mesh, such as tolerances and steps

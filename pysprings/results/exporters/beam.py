@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import HELD_BACK
 from pysprings.core.storage import replacing
@@ -34,8 +34,6 @@ from pysprings.results.sheets import HEAD, PLAIN_CELLS
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import action, with_moment
 from pysprings.springs.tip_zone import shares, tip_zone
-
-Array = NDArray[np.float64]
 
 COLUMNS = (
     *("family", "depth_m", "y_m", "p_N_per_m", "rotation_rad", "m_Nm_per_m", "H_N", "M_Nm"),

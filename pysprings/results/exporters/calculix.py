@@ -10,13 +10,12 @@ from collections.abc import Iterator
 from itertools import count
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.text import commented
 from pysprings.results.exporters.base import Exported, Options, Source, Target, rendered
 from pysprings.results.exporters.uniaxial_sets import Prepared, Terms, prepare, read_by
 
-Array = NDArray[np.float64]
 Pair = tuple[Array, Array]
 
 PIECE = 200  # points: CalculiX 2.20 reads these of a table; longer ones give wrong answers

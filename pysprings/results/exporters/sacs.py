@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
 from pysprings.macro.solver import row_values
@@ -28,8 +28,6 @@ from pysprings.results.exporters.uniaxial_sets import (
     with_tables,
 )
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
 
 WIDTH = 6  # characters of a number
 PAIRS = 5  # a line

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import has_free_head
 from pysprings.core.text import commented, plain_table
@@ -25,8 +25,6 @@ from pysprings.macro.stiffness import Load, Question, secant, stiffness_six
 from pysprings.results.exporters.base import Exported, Options, Source, Target, rendered
 from pysprings.results.exporters.header import header
 from pysprings.springs.springs import Springs
-
-Array = NDArray[np.float64]
 
 SMALL = 0.01  # share of H L or of M in the larger of both below which an error of the load means nothing
 SHARES = (0.1, 0.5, 1.0)  # of the range of a path where the linear response is compared

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 from pysprings.springs.sums import by_depth, net_m
@@ -104,7 +104,7 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
     return pd.concat([frame.reindex(columns=PY_COLUMNS) for frame in frames], ignore_index=True)
 
 
-def with_net(array: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+def with_net(array: Array, axis: int) -> Array:
     """Append the sum along an axis as its last entry."""
     return np.concatenate([array, array.sum(axis=axis, keepdims=True)], axis=axis)
 
@@ -143,7 +143,7 @@ def _rows(path: xr.Dataset, family: str, labels: dict[str, tuple[str, ...]], val
     return pd.DataFrame(data | {name: array.ravel() for name, array in values.items()} | _motion(path, step))
 
 
-def _motion(path: xr.Dataset, step: NDArray[np.int64]) -> dict[str, Any]:
+def _motion(path: xr.Dataset, step: Integers) -> dict[str, Any]:
     columns = {"rotation_rad": "rotation", "w_m": "w", "converged": "converged"}
     return {column: path[name].values[step] for column, name in columns.items()}
 

@@ -15,12 +15,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.macro.curve_table import Row, SpringTable, stack
 from pysprings.macro.solver import row_values
 
-Array = NDArray[np.float64]
 Direction = Literal["lateral", "rotation", "vertical"]
 
 FINE = 40001  # samples of each side behind a table

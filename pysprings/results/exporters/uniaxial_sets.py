@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import close_loads
 from pysprings.core.path_kinds import HELD_BACK
@@ -47,8 +47,6 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
 from pysprings.springs.tip_zone import reslice
-
-Array = NDArray[np.float64]
 
 DIRECTIONS = np.radians(np.arange(80.0, -91.0, -10.0))  # from the highest to the deepest
 STEP = np.radians(5.0)  # between the states of the fit

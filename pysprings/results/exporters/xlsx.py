@@ -17,9 +17,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 import xlsxwriter
-from numpy.typing import NDArray
 from xlsxwriter.utility import xl_range_abs
 
+from pysprings.core.arrays import Array
 from pysprings.core.storage import replacing
 from pysprings.core.variables import known_torsion
 from pysprings.macro.fan import build_fan, has_fan
@@ -148,8 +148,6 @@ def _fan(springs: Springs) -> Iterator[str]:
         "`pysprings predict` interpolates between them; a curve in these sheets holds on its own ray only."
     )
 
-
-Array = NDArray[np.float64]
 
 HEAD_ROWS = 3  # depth, slice, heading with unit
 MOST_PRINTED = 45  # rows of a data sheet
@@ -328,7 +326,7 @@ def _about(book: Book, sheet: Any, source: Source) -> None:
                 sheet.set_row(row, 15 * -(-max(len(words), 1) // 100))
 
 
-def _sides(path: xr.Dataset, name: str) -> NDArray[np.float64]:
+def _sides(path: xr.Dataset, name: str) -> Array:
     """Return p, m or t (outside, inside, net; depth, step) [kN/m, kN m/m]."""
     values = path["p_component"].sum("component") if name == "p" else path[name]
     return with_net(values.transpose("side", "depth", "step").values * KN, 0)
@@ -453,7 +451,7 @@ def _stiffness(book: Book, sheet: Any) -> None:
     sheet.set_h_pagebreaks(breaks[1:])
 
 
-def _sets(book: Book) -> list[tuple[str, NDArray[np.float64]]]:
+def _sets(book: Book) -> list[tuple[str, Array]]:
     """Return the stiffness of each spring set at rest, those of several paths first, with its words."""
     sets = [SPRING_SETS[name] for name in spring_sets(book.springs)]
     chosen: list[tuple[str, str, str | None]] = [
@@ -466,7 +464,7 @@ def _sets(book: Book) -> list[tuple[str, NDArray[np.float64]]]:
 
 
 def _block(
-    book: Book, sheet: Any, row: int, words: str, matrix: NDArray[np.float64], labels: Sequence[Sequence[str]]
+    book: Book, sheet: Any, row: int, words: str, matrix: Array, labels: Sequence[Sequence[str]]
 ) -> int:  # fmt: skip
     """Write one matrix in kN, m, rad with its labels; return the row behind it."""
     sheet.write_string(row, 0, words, book.title)

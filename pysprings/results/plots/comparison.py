@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,12 +24,6 @@ from pysprings.results.parts import converged
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, abscissa, unit_text
 from pysprings.springs.path import SpringPath
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 LOOKS = {
     "fan": (style.GREEN, "-.", "^"),

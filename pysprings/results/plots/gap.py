@@ -11,8 +11,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.results.parts import Opening, openings, pick_step, plan_gap, skirt_gap
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import of_state, step_text
@@ -48,7 +48,7 @@ def gap_map(path: xr.Dataset, step: int | None = None, displacement: float | Non
     return figure
 
 
-def cell_edges(centres: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+def cell_edges(centres: Array, low: float, high: float) -> Array:
     """Return the edges half-way between sorted stations, closed by the ends of the range."""
     return np.concatenate([[low], (centres[1:] + centres[:-1]) / 2, [high]])
 
@@ -82,9 +82,7 @@ def _around(axes: Axes) -> None:
     axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
 
 
-def nearest_station_image(
-    x: NDArray[np.float64], y: NDArray[np.float64], values: NDArray[np.float64], n: int = 241
-) -> np.ma.MaskedArray:
+def nearest_station_image(x: Array, y: Array, values: Array, n: int = 241) -> np.ma.MaskedArray:
     """Fill a disc with the value of the nearest station of the mirrored half model, shape (n, n): y, x.
 
     The square reaches from minus to plus the largest radius of the stations; outside the disc is masked.
@@ -148,7 +146,7 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         axes.figure.colorbar(drawn, ax=axes, label="radius of the point [m]", pad=0.02)
 
 
-def _bar(axes: Axes, drawn: ScalarMappable, values: NDArray[np.float64]) -> None:
+def _bar(axes: Axes, drawn: ScalarMappable, values: Array) -> None:
     """Add a colour bar [mm]; where nothing is open, a remark instead."""
     if np.nanmax(values, initial=0.0) > 0:
         axes.figure.colorbar(drawn, ax=axes, label="gap [mm] (grey: closed)", pad=0.02)

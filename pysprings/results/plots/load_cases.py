@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from pysprings.core.errors import PyspringsError
 from pysprings.core.loads import CLOSE_LOAD, close_loads
@@ -16,10 +18,6 @@ from pysprings.macro.vertical_answer import largest_vertical
 from pysprings.results.look import CASE_MARKS, OTHER_CASE
 from pysprings.results.plots import style
 from pysprings.springs.springs import Springs
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MOST_NAMED = 12  # cases with their names: those of the largest utilisation
 

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import driven
 from pysprings.results.parts import converged, convergence_data, path_data, path_names, settings
@@ -197,14 +197,14 @@ def _short(value: float) -> str:
     return f"{0.0 if abs(value) < SMALLEST else value:.3g}"
 
 
-def abscissa(path: xr.Dataset) -> tuple[NDArray[np.float64], str]:
+def abscissa(path: xr.Dataset) -> tuple[Array, str]:
     """Return what the path drives, with its axis label: u [mm], or the rotation [mrad] on a pure rotation."""
     name = driven(path.attrs)
     factor, label = _AXES[name]
     return path[name].values * factor, label
 
 
-def lateral_reaction(path: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+def lateral_reaction(path: xr.Dataset) -> dict[str, Array]:
     """Return p [N/m] by side, ``{"net", "outside", "inside"}``, each of shape (depth, step).
 
     Components are summed: normal effective stress, shear, water.
@@ -214,7 +214,7 @@ def lateral_reaction(path: xr.Dataset) -> dict[str, NDArray[np.float64]]:
     return {"net": by_side.sum("side", skipna=False).values, **sides}
 
 
-def boundary_edges(section: xr.Dataset) -> NDArray[np.int64]:
+def boundary_edges(section: xr.Dataset) -> Integers:
     """Return the edges that belong to a single cell of the section, shape (n_edge, 2), node numbers."""
     quads = section["section_quad"].transpose("section_cell", "corner").values.astype(int)
     edges = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
@@ -242,7 +242,7 @@ def caisson_size(section: xr.Dataset) -> tuple[float, float, float]:
     return float(radii.min()), float(radii.max()), float(depth[walls].max())
 
 
-def unit_text(values: NDArray[np.float64]) -> tuple[float, str]:
+def unit_text(values: Array) -> tuple[float, str]:
     """Choose (factor from N, kN or MN) for forces [N] of this size; moments take the same prefixes."""
     largest = float(np.nanmax(np.abs(values), initial=0.0))
     return (MN, "MN") if largest >= 1e6 else (KN, "kN")

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import driven
 from pysprings.results.parts import converged
 from pysprings.results.plots import style
@@ -151,10 +151,10 @@ def draw_profile(axes: Axes, path: xr.Dataset, quantity: str = "p", levels: Sequ
         axes.set_xlim(0.0, 1.05)
 
 
-def _values(path: xr.Dataset, quantity: str, last: int) -> NDArray[np.float64]:
+def _values(path: xr.Dataset, quantity: str, last: int) -> Array:
     """Return a quantity (depth, step) in the unit of its axis; `last` is the step up to which p is the largest."""
     if quantity in ("m", "t"):
-        values: NDArray[np.float64] = path[quantity].sum("side").transpose("depth", "step").values
+        values: Array = path[quantity].sum("side").transpose("depth", "step").values
         return style.KN * values
     p = lateral_reaction(path)["net"]
     if quantity == "p":
@@ -163,7 +163,7 @@ def _values(path: xr.Dataset, quantity: str, last: int) -> NDArray[np.float64]:
     return np.abs(p) / np.where(largest > 0.0, largest, 1.0)[:, None]
 
 
-def limits_without_edge(axes: Axes, values: NDArray[np.float64], which: str) -> None:
+def limits_without_edge(axes: Axes, values: Array, which: str) -> None:
     """Set the limits of an axis so that they hold the values and zero, with room for the beginning of an edge ring."""
     if values.size == 0 or not np.isfinite(values).any():
         return

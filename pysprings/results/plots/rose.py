@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Wedge
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.results.parts import pick_step
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Part, Picture, depth_words, of_state, pick_depths, step_text
@@ -119,10 +119,10 @@ def shear_rose(
 class _Ring:
     """A side of the skirt at one depth over the half model: azimuth [rad] (0 at the front), stress, initial [Pa]."""
 
-    azimuth: NDArray[np.float64]
-    stress: NDArray[np.float64]
-    initial: NDArray[np.float64]
-    values: NDArray[np.float64]
+    azimuth: Array
+    stress: Array
+    initial: Array
+    values: Array
 
     def gaps(self) -> list[tuple[float, float]]:
         """Return the zones (from, to) [rad] where p'_N = 0; a station represents the arc half-way to its neighbours."""

@@ -11,8 +11,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array, Integers
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.results.parts import pick_step
 from pysprings.results.plots import style
@@ -107,14 +107,14 @@ def section_pressure(
     return figure
 
 
-def quad_corners(section: xr.Dataset) -> NDArray[np.float64]:
+def quad_corners(section: xr.Dataset) -> Array:
     """Return the corners of the section's cells, shape (cell, corner, 2): x and depth [m]."""
     nodes = np.column_stack([section["section_x"].values, section["section_depth"].values])
-    corners: NDArray[np.float64] = nodes[section["section_quad"].transpose("section_cell", "corner").values.astype(int)]
+    corners: Array = nodes[section["section_quad"].transpose("section_cell", "corner").values.astype(int)]
     return corners
 
 
-def triangles(section: xr.Dataset) -> NDArray[np.int64]:
+def triangles(section: xr.Dataset) -> Integers:
     """Split each cell of the section in two triangles, shape (2 n_cell, 3), node numbers; voids stay void."""
     quads = section["section_quad"].transpose("section_cell", "corner").values.astype(int)
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
@@ -128,7 +128,7 @@ def _draw_mesh(axes: Axes, section: xr.Dataset) -> None:
     axes.grid(False)
 
 
-def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64], unit: str = "mm") -> None:
+def _draw_field(axes: Axes, section: xr.Dataset, values: Array, unit: str = "mm") -> None:
     """Draw values at the nodes as colour with their contours, and the caisson, in its neighbourhood."""
     from matplotlib.tri import Triangulation
 
@@ -148,7 +148,7 @@ def _draw_field(axes: Axes, section: xr.Dataset, values: NDArray[np.float64], un
     _label_axes(axes)
 
 
-def caisson_polygon(section: xr.Dataset) -> NDArray[np.float64]:
+def caisson_polygon(section: xr.Dataset) -> Array:
     """Return the outline of the caisson in the symmetry plane, shape (9, 2): x and depth [m]."""
     inner, outer, length = caisson_size(section)
     top = -float(section.attrs.get("lid_thickness_m", 2 * LID_SHARE * outer))

@@ -14,8 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.results.look import BLUE, GREEN, GREY, INK, KN, KPA, MM, MN, MRAD, ORANGE, PALE, PURPLE, SKY, VERMILLION
 
 # the palette and units of pictures, for those that draw with this module
@@ -159,7 +160,7 @@ def set_title(figure: Figure, what: str, attrs: Mapping[str, Any], *more: str) -
     figure.suptitle("\n".join(line for line in (what, headline(attrs), *more) if line))
 
 
-def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], **line: Any) -> NDArray[np.float64]:
+def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: Marks, **line: Any) -> Array:
     """Draw a curve through its converged steps and a cross at each unconverged one; the line stops there.
 
     Returns the drawn ordinates of the line, NaN where unconverged.
@@ -184,7 +185,7 @@ def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: NDArray[np.bool_], *
     return valid
 
 
-def note_unconverged(axes: Axes, good: NDArray[np.bool_]) -> None:
+def note_unconverged(axes: Axes, good: Marks) -> None:
     """Explain the crosses beside the curves, when there are any."""
     if not good.all():
         axes.plot([], [], linestyle="none", marker="x", markeredgewidth=1.8, color=INK, label="not converged")

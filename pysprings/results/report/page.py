@@ -25,9 +25,9 @@ from typing import Any, get_args
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import version
+from pysprings.core.arrays import Array
 from pysprings.core.columns import Table
 from pysprings.core.path_kinds import driven, has_free_head
 from pysprings.core.registry import Registry
@@ -128,14 +128,14 @@ def _stress(path: xr.Dataset) -> Mapping[str, Any]:
     return {"stress": stress, "azimuth": _round(azimuth), "rings": _round(path["depth"].values[rings])}
 
 
-def _round(values: NDArray[np.float64], digits: int = _DIGITS) -> Any:
+def _round(values: Array, digits: int = _DIGITS) -> Any:
     """Return numbers as nested lists with this many digits; rounding errors beside the largest become 0."""
     values = np.nan_to_num(np.asarray(values, dtype=float))
     least = 1e-9 * float(np.abs(values).max(initial=0.0))
     return _digits(np.where(np.abs(values) > least, values, 0.0), digits)
 
 
-def _digits(values: NDArray[np.float64], digits: int) -> Any:
+def _digits(values: Array, digits: int) -> Any:
     if values.ndim == 1:
         return [float(f"{value:.{digits}g}") for value in values.tolist()]
     return [_digits(row, digits) for row in values]

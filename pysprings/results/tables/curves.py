@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, Faults, Sheet, Table, tables_of
 from pysprings.core.tables.headings import TEXT
@@ -174,8 +174,6 @@ def _size(text: str) -> float:
     except ValueError:  # the checks of the cells note it
         return float("-inf")
 
-
-Array = NDArray[np.float64]
 
 # Slices may miss each other by this share of the skirt length: numbers in tables are rounded.
 ROUNDING = 1e-6

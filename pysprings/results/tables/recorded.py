@@ -4,8 +4,8 @@
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import VERTICAL
 from pysprings.core.tables.table import Faults
 from pysprings.macro.vertical import build_vertical
@@ -14,7 +14,6 @@ from pysprings.springs.path import keeps_direction
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import resultants
 
-Array = NDArray[np.float64]
 Grid = dict[str, Array]  # column -> (depth, step)
 
 COMPANIONS = ("mtheta", "base", "lid")

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.tables import Column, Table, one_table
 from pysprings.macro.ways import Control
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
-
-Array = NDArray[np.float64]
 
 _UNITS = {"u": "m", "r": "rad", "H": "N", "M": "Nm", "T": "Nm"}
 _TURNS, _PUSHES = (tuple(f"{name}_{_UNITS[name[0]]}" for name in names) for names in (SPACE_TURNS, SPACE_LOADS))

@@ -14,9 +14,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationInfo
 
+from pysprings.core.arrays import Array
 from pysprings.core.units import quoted, show
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import Field, Interval, Number, Quantity, refuse
@@ -110,10 +110,10 @@ def _faults(pairs: list[tuple[float, float]]) -> Iterator[str]:
             yield f"{text}(slopes {before:.4g}, {after:.4g} G_0)"
 
 
-def _slopes(pairs: list[tuple[float, float]]) -> NDArray[np.float64]:
+def _slopes(pairs: list[tuple[float, float]]) -> Array:
     """Return the slopes over G_0 of the backbone from the origin to the first pair, and from pair to pair."""
     strain, ratio = np.array([(0.0, 1.0), *pairs]).T
-    slopes: NDArray[np.float64] = np.diff(strain * ratio) / np.diff(strain)
+    slopes: Array = np.diff(strain * ratio) / np.diff(strain)
     return slopes
 
 

@@ -25,16 +25,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, one_table
 from pysprings.core.units import quoted
 from pysprings.scene.fields import Field, Interval, Number, Text, refuse
 
-Array = NDArray[np.float64]
 Pairs = tuple[tuple[float, float], ...]
 Rows = tuple[tuple[float, ...], ...]
 

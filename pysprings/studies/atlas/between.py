@@ -21,9 +21,9 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pysprings.core.arrays import Array
+
 _LENGTHS = (0.25, 50.0)
 _NOISE = (1e-6, 0.1)
 

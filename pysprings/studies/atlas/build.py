@@ -7,17 +7,20 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+import xarray as xr
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import PyspringsError, UserInputError, refused
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.core.version import __version__
 from pysprings.macro.fan_springs import BAND
 from pysprings.scene.load import SceneText
+from pysprings.scene.model import Scene
+from pysprings.scene.sections import Path as ScenePath
 from pysprings.springs.springs import Springs
 from pysprings.studies.atlas.between import Process, filled, fit
 from pysprings.studies.atlas.families import Family
@@ -25,15 +28,6 @@ from pysprings.studies.atlas.model import Atlas, sums
 from pysprings.studies.atlas.samples import Samples, read_samples, scenes
 from pysprings.studies.sweep.dataset import open_study
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from pysprings.scene.model import Scene
-    from pysprings.scene.sections import Path as ScenePath
-    from pysprings.studies.atlas.model import Atlas
-
-
-Array = NDArray[np.float64]
 Source = TypeVar("Source", bound="Atlas")
 AT = (0.001, 0.01)  # u/D
 STIFFNESSES = {"K_V": (1, 1, "K_V_relative_deviation"), "K_H": (0, 0, "K_H_relative_deviation"),
@@ -152,7 +146,7 @@ def calibrated(atlas: Source, data: xr.Dataset, at: tuple[float, ...] = AT) -> t
     return replace(atlas, fan=_fan(error, base, shares, of_pull, table["quantity"].to_numpy())), table
 
 
-def _fan(error: Array, base: Array, shares: list[Array], rows: NDArray[np.bool_], names: Any) -> tuple[float, float]:
+def _fan(error: Array, base: Array, shares: list[Array], rows: Marks, names: Any) -> tuple[float, float]:
     """Return the least deviations of a fan for which 95 % of the loads and of the rotations lie in their bands."""
     if not rows.any():
         return 0.0, 0.0

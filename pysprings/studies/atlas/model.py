@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.storage import read_tree, write_tree
 from pysprings.core.text import suggestion
@@ -25,7 +25,6 @@ from pysprings.studies.atlas.between import Process
 from pysprings.studies.atlas.families import FAMILIES, Family
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, stiffness_of
 
-Array = NDArray[np.float64]
 _ROUNDING = 1e-6
 STIFFNESS_FLOOR = 1e-3  # standard deviation over the stiffness at the least: numbers of cells change with L/D
 

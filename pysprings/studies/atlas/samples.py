@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.macro.fan import secant_slopes
 from pysprings.scene.changes import Change
@@ -21,8 +21,6 @@ from pysprings.scene.model import Scene
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.sweep.dataset import DEPTHS
 from pysprings.studies.sweep.plan import quantity
-
-Array = NDArray[np.float64]
 
 FORCES = (*(f"p{k}" for k in range(DEPTHS)), "H_tip", "H_lid", *(f"t{k}" for k in range(DEPTHS)), "V_tip", "V_lid")
 MOMENTS = (*(f"m{k}" for k in range(DEPTHS)), "M_tip", "M_lid")

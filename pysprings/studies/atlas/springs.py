@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
+from pysprings.core.arrays import Array
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.core.version import __version__
 from pysprings.springs.checks import SCHEMA
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from pysprings.scene.model import Scene
     from pysprings.studies.atlas.model import Atlas, Estimate
 
-Array = NDArray[np.float64]
 _NOTHING = 1e-9  # of rho: w that is rounding
 _CLOSE = 0.05  # share by which knots differ at the least
 # of full models of clay on the mesh 'coarse': share by which their loads may be high, over X; what is left of it once

@@ -7,12 +7,10 @@ import math
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.loads import same_load
 from pysprings.core.tables.load_cases import LoadCases
-
-Array = NDArray[np.float64]
 
 _FLAT = 1e-9  # volume of unit vectors in one plane: they enclose no direction
 

@@ -13,28 +13,25 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.path_kinds import LOADS, MOTIONS
+from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.diagnosis import DisplacementLimit
+from pysprings.full_model.run_record import RunRecord
 from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.results.exporters.tables import IN_SPACE
+from pysprings.scene.model import Scene
 from pysprings.studies.capacity import plan
 from pysprings.studies.capacity.plan import PROBE, Direction, Group, Request
 from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
-
-if TYPE_CHECKING:
-    from pysprings.core.progress import Progress
-    from pysprings.full_model.run_record import RunRecord
-    from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +52,6 @@ class Capacity:
     cases: pd.DataFrame | None
     remarks: tuple[str, ...]
 
-
-Array = NDArray[np.float64]
 
 PEAK = 1e-3  # share by which the largest load is above the last one
 # What fails is seen over this share of the conjugate displacement at least. The last steps of a probe that localisation

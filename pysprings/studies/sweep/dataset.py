@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import PyspringsError, refused
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.storage import replacing
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
     from pysprings.studies.sweep.study import Study
 
-
-Array = NDArray[np.float64]
 
 SHARES: Array = np.concatenate([[0.0], np.geomspace(1e-3, 1.0, 24)])
 DEPTHS = 8

@@ -14,8 +14,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import ResourceError, refused
 from pysprings.core.text import commented, one_line
 from pysprings.macro.fan import FanTable
@@ -23,7 +23,6 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import Branch
 from pysprings.results.exporters.base import rendered
 
-Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 
 MATRIX, LIBRARY = 1, 3  # CalcOption

@@ -11,9 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.scene.defaults import row_of, value_text
 from pysprings.scene.ground import in_layers
@@ -21,7 +19,6 @@ from pysprings.scene.ground import in_layers
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
-Array = NDArray[np.float64]
 _TOLERANCE = 0.01  # share by which a value that scales may differ
 
 

@@ -18,16 +18,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem
 from pysprings.scene.by_depth import ByDepth
 from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
-
-Array = NDArray[np.float64]
 
 
 def strength(scene: Scene) -> tuple[float, float]:

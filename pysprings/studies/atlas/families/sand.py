@@ -13,15 +13,14 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem
 from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
-Array = NDArray[np.float64]
 STRETCH = 1000.0  # X over rho/D
 
 
