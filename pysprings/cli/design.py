@@ -23,7 +23,9 @@ def design(
         Path | None,
         argument("CASES", "load cases (CSV, Excel), units in the headings; by default design.cases of the scene"),
     ] = None,
-    tilt: Annotated[str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"', "ANGLE")] = None,
+    tilt: Annotated[
+        str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"; by default [design] tilt', "ANGLE")
+    ] = None,
     out: Annotated[
         list[Path] | None,
         option("--out", "file for the answers: .csv, .xlsx, .html, or picture: .png, .svg; may be repeated", "FILE"),
@@ -82,7 +84,7 @@ def design(
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
-    about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": tilt or "as in the table"}
+    about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": _tolerance(table)}
     about |= {"group": table.attrs["group"]} if placed else {}
     about |= {"note": "; ".join(notes)} if (notes := table.attrs.get("notes")) else {}
     about |= (record.summary if record else None) or {}
@@ -112,6 +114,12 @@ def _checked(tilt: str | None, joint: str | None, group: Path | None) -> tuple[f
     if joint is not None and group is None:
         refuse("--joint", "is the stiffness between caissons and the frame of a --group, which is missing")
     return given["--tilt"], given["--joint"]
+
+
+def _tolerance(table: pd.DataFrame) -> str:
+    """Return the rotations that the cases tolerate, in words."""
+    limits = sorted(set(table["tilt_limit_deg"].dropna()))
+    return ", ".join(f"{limit:.4g} deg" for limit in limits) or "none given"
 
 
 def _print(table: pd.DataFrame, written: list[str]) -> None:

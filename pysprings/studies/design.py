@@ -6,6 +6,7 @@ What the springs do not cover is blank, with the reason.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees
@@ -23,6 +24,7 @@ from pysprings.core.loads import InPlane, close_loads, nearest
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.text import number
+from pysprings.core.units import QuantityError, read
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
 from pysprings.macro.model import AnySprings, Typed, typed
@@ -57,6 +59,17 @@ STIFFNESS = {
 }
 
 
+def tolerated_tilt(springs: AnySprings) -> float | None:
+    """Return the rotation [rad] that the scene of a run tolerates, [design] tilt; None where it gives none."""
+    own = typed(springs)
+    text = own.tree.attrs.get("scene_toml") if isinstance(own, Springs) else None
+    try:
+        given = tomllib.loads(str(text or ""))["design"]["tilt"]
+        return float(read(given, "rad", "0.25 deg"))
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, QuantityError):  # none there, or no scene of this program
+        return None
+
+
 def answer_cases(
     springs: AnySprings, cases: LoadCases, tilt: float | None = None, extrapolate: bool = False, **choice: Any
 ) -> pd.DataFrame:
@@ -64,7 +77,7 @@ def answer_cases(
 
     Parameters
     ----------
-    tilt : Largest rotation that is tolerated [rad], of cases that have none of their own.
+    tilt : Largest rotation that is tolerated [rad], of cases that have none of their own; None: `tolerated_tilt`.
     extrapolate : Answer beyond the calibrated range, marked.
     choice : Spring set and path (`pysprings.macro.predict.SpringChoice`).
 
@@ -80,7 +93,8 @@ def answer_cases(
     })  # fmt: skip
     for name, column in (("u", "u_m"), ("w", "w_m"), ("rotation", "rotation_rad")):
         frame[column] = _values(answers, name, len(cases))
-    tolerance = np.where(np.isnan(cases.tilt), np.nan if tilt is None else tilt, cases.tilt)
+    limit = tolerated_tilt(springs) if tilt is None else tilt
+    tolerance = np.where(np.isnan(cases.tilt), np.nan if limit is None else limit, cases.tilt)
     frame["tilt_deg"], frame["tilt_limit_deg"] = np.degrees(frame["rotation_rad"].abs()), np.degrees(tolerance)
     frame["tilt_used"] = frame["rotation_rad"].abs() / tolerance
     frame = pd.concat([frame, _stiffness(answers, frame)], axis=1)

@@ -65,6 +65,18 @@ def test_answers_are_those_of_predict(springs, cases: Path) -> None:
     assert list(table["verdict"]) == ["ok", "tilt exceeded", table["verdict"]["huge"], "ok"]
 
 
+def test_the_tilt_of_the_scene_counts_where_nothing_else_gives_one(springs, cases: Path) -> None:
+    """A row's own tolerance comes first, then that of the question, then [design] tilt of the run."""
+    text = tiny.scene(design={"tilt": np.radians(0.0015)}).to_toml()
+    tree = springs.copy(deep=False)
+    tree.attrs = tree.attrs | {"scene_toml": text}
+    table = answer_cases(tree, read_load_cases(cases)).set_index("name")
+    np.testing.assert_allclose(table["tilt_limit_deg"], [0.0015, 0.001, 0.0015, 0.0015])
+    assert table["verdict"]["calm"] == table["verdict"]["mirror"] == "tilt exceeded"
+    given = answer_cases(tree, read_load_cases(cases), tilt=0.01).set_index("name")
+    assert given["verdict"]["calm"] == "ok"
+
+
 def test_what_is_beyond_the_springs_has_no_motion(springs, cases: Path) -> None:
     table = answer_cases(springs, read_load_cases(cases)).set_index("name")
     huge = table.loc["huge"]
