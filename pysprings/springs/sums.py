@@ -29,12 +29,20 @@ def action(name: str, depth: float, height: float, length: float) -> tuple[float
 def with_moment(p: np.ndarray, moment: np.ndarray, depth: np.ndarray, heights: np.ndarray) -> np.ndarray:
     """Return p (depth, ..., step) [N/m] whose moment about the lid is ``moment`` (..., step) [N m]; its force stays.
 
-    What is added is linear in depth [m], over slices of these heights [m].
+    What is added is a share of p that is linear in depth [m], over slices of these heights [m]: a soft layer keeps its
+    p beside a stiff one.
     """
-    tilt = depth - (heights @ depth) / heights.sum()
+    shape = (-1, *[1] * (p.ndim - 1))
+    z, weight = depth.reshape(shape), np.abs(p) * heights.reshape(shape)
+    middle = (weight * z).sum(axis=0) / _not_zero(weight.sum(axis=0))
     missing = moment - np.tensordot(depth * heights, p, axes=1)
-    added: np.ndarray = p + tilt.reshape(-1, *[1] * (p.ndim - 1)) * (missing / ((heights * depth) @ tilt))
+    spread = (weight * z * (z - middle)).sum(axis=0)
+    added: np.ndarray = p + np.abs(p) * (z - middle) * (missing / _not_zero(spread))
     return added
+
+
+def _not_zero(values: np.ndarray) -> np.ndarray:
+    return np.where(values == 0.0, 1.0, values)
 
 
 def slice_heights(dataset: xr.Dataset) -> np.ndarray:

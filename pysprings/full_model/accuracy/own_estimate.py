@@ -20,11 +20,12 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from fe_engine.clock import Clock
 from pysprings.core import variables
@@ -190,13 +191,24 @@ def _resliced(values: Array, path: xr.Dataset, bounds: Array, depth: Array, leve
     above = np.concatenate([np.zeros_like(force[:1]), np.cumsum(force, axis=0)])
     lines = np.append(bounds[:, 0], bounds[-1, 1])
     down = np.append(edges[:, 0], edges[-1, 1])
-    at = CubicSpline(down, above, axis=0)(np.clip(lines, down[0], down[-1]))
+    at = _between_shared(down, above, np.clip(lines, down[0], down[-1]))
     shape = (-1,) + (1,) * (values.ndim - 1)
     found = np.diff(at, axis=0) / new.reshape(shape)
     if levers:
         before = np.tensordot(path["depth"].values * heights, values, axes=1)
         found = with_moment(found, before, depth, new)
     return np.asarray(found)
+
+
+def _between_shared(x: Array, values: Array, at: Array) -> Array:
+    """Return values (n, ...) by depth at other depths: monotone cubics between the lines that both have.
+
+    Boundaries of layers are such lines. p jumps there, and a spline across would ring through the softer layer.
+    """
+    ends = [k for k, depth in enumerate(x) if np.abs(at - depth).min() <= _SAME * x[-1]]
+    parts = [PchipInterpolator(x[a : b + 1], values[a : b + 1], axis=0) for a, b in pairwise(ends)]
+    which = np.clip(np.searchsorted(x[ends], at, side="right") - 1, 0, len(parts) - 1)
+    return np.stack([parts[k](depth) for k, depth in zip(which, at, strict=True)])
 
 
 Compute = Callable[..., Computed]

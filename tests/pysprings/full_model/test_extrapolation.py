@@ -156,6 +156,19 @@ def test_other_slices_keep_force_and_moment() -> None:
         np.testing.assert_allclose(now, was, rtol=1e-9, atol=1e-9 * np.abs(was).max())
 
 
+def test_a_soft_layer_keeps_its_p_on_other_slices() -> None:
+    """p of 10 above 3.2 m and of 100 below, as on sand over clay: the jump does not ring through the rings above it."""
+    edges, new = np.array([0.0, 1.5, 3.2, 4.7, 5.8, 6.6, 7.5]), np.array([0.0, 0.9, 2.0, 3.2, 4.2, 5.4, 6.6, 7.5])
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    bounds, depth = np.stack([new[:-1], new[1:]], axis=1), 0.5 * (new[1:] + new[:-1])
+    path = xr.Dataset({
+        "depth_bounds": (("depth", "edge"), np.stack([edges[:-1], edges[1:]], axis=1)), "depth": ("depth", middle)
+    })  # fmt: skip
+    p = np.where(middle < 3.2, 10.0, 100.0)[:, None, None, None] * np.ones((1, 2, 1, 1))
+    found = own_estimate._resliced(p, path, bounds, depth, levers=True)[:, 0, 0, 0]
+    np.testing.assert_allclose(found, np.where(depth < 3.2, 10.0, 100.0), rtol=0.03)
+
+
 def test_answers_have_the_estimate_of_the_paths_that_they_stand_on() -> None:
     springs, estimate = extract_springs(found().tree), found().record.error_estimate
     assert estimate is not None

@@ -8,7 +8,7 @@ import xarray as xr
 from pysprings.core.errors import UserInputError
 from pysprings.springs.checks import validate_springs
 from pysprings.springs.path import paths_of
-from pysprings.springs.sums import by_depth, resultants
+from pysprings.springs.sums import by_depth, resultants, with_moment
 from pysprings.springs.tip_zone import edge_rings, reslice
 from tests.support import synthetic
 
@@ -26,6 +26,17 @@ PATHS = (synthetic.Path("pull", size=8e-3, steps=8), synthetic.Path("turn", "rot
 def test_edge_rings_lie_in_the_last_tenth_and_the_last_is_one(bounds: list[float], expected: list[bool]) -> None:
     path = xr.Dataset({"depth_bounds": (("depth", "bound"), np.column_stack([bounds[:-1], bounds[1:]]))})
     assert edge_rings(path).tolist() == expected
+
+
+def test_a_moment_that_is_added_leaves_a_soft_layer_its_p() -> None:
+    """Half a per cent of the moment, which the edge of the tip has beyond the middle of its slice; 0 stays 0."""
+    z, heights = np.array([0.5, 1.5, 3.0, 5.0, 7.0]), np.array([1.0, 1.0, 2.0, 2.0, 2.0])
+    p = np.stack([np.array([10.0, 20.0, 40.0, 2000.0, 9000.0]), np.zeros(5)], axis=1)
+    moment = (heights * z) @ p * 1.005
+    found = with_moment(p, moment, z, heights)
+    np.testing.assert_allclose(heights @ found, heights @ p, rtol=1e-12)
+    np.testing.assert_allclose((heights * z) @ found, moment, rtol=1e-12)
+    assert (np.abs(found / np.where(p, p, 1.0) - 1.0)[:, 0] < 0.3).all() and not found[:, 1].any()
 
 
 def springs_with_a_peak() -> xr.DataTree:
