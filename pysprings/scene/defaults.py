@@ -23,7 +23,7 @@ from pysprings.core.units import read, show, si_of
 from pysprings.scene.by_depth import ByDepth, Profile, of_surface
 from pysprings.scene.fields import Interval, Number, Quantity
 from pysprings.scene.ground import Stratum, given_values, moved_layers
-from pysprings.scene.interface import adhesion_factor
+from pysprings.scene.interface import adhesion_factor, holds_suction
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues, plain_field
 from pysprings.scene.soils import SOIL_LAWS
@@ -48,6 +48,8 @@ def defaulted(scene: SceneSections, known: Mapping[str, float] | None = None) ->
         section, unused = getattr(scene, name), _unused(scene, name)
         for key in type(section).model_fields:
             value = getattr(section, key)
+            if key == "water_depth" and value is None and holds_suction(scene):
+                value = 0.0  # suction of a sealed surface ends at vapour pressure
             if key not in section.model_fields_set and key not in unused and value is not None:
                 rows.append(row_of(f"{name}.{key}", numbers.get(f"{name}.{key}", value), type(section), key))
     return [*rows, *_of_soil(scene), *_of_paths(scene)]
@@ -105,8 +107,9 @@ def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:
         frictionless = ("friction_coefficient",) * all(each.total_stress for each in beside)
         return (*(() if flows else _FLOW), *frictionless)
     if name == "drainage":
-        dry = ("porosity", "water_bulk_modulus", "water_viscosity", "stabilisation", "water_unit_weight")
-        return ("stabilisation",) if wet else dry
+        dry = ("porosity", "water_bulk_modulus", "water_viscosity", "stabilisation")
+        weight = () if holds_suction(scene) else ("water_unit_weight",)
+        return ("stabilisation",) if wet else (*dry, *weight)
     forced = any(PATH_KINDS[path.kind].limited for path in scene.all_paths)
     return () if name != "limit" or forced else tuple(type(scene.limit).model_fields)
 

@@ -44,6 +44,12 @@ def uses_adhesion(scene: SceneSections) -> bool:
     return interface.adhesion_factor is not None or not opens or any(each.total_stress for each in ground.strata)
 
 
+def holds_suction(scene: SceneSections) -> bool:
+    """Return whether water below the sea holds a surface against the ground: a sealed one beside undrained clay."""
+    sealed = any(of_surface(scene.interface.opening, each) == "sealed" for each in SURFACES)
+    return sealed and any(each.total_stress for each in scene.ground.strata if each.top <= scene.caisson.skirt_length)
+
+
 def interface_clashes(scene: SceneSections) -> Iterator[Clash]:
     """Check what adhesion and opening need of the ground beside the caisson."""
     interface, ground = scene.interface, scene.ground

@@ -18,7 +18,7 @@ from fe_engine.linear.backends import available_backends
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import engine_laws
-from pysprings.scene.interface import uses_adhesion
+from pysprings.scene.interface import holds_suction, uses_adhesion
 from pysprings.scene.sections import Soil
 from pysprings.scene.soils import SOIL_LAWS
 
@@ -171,8 +171,10 @@ def _all_water(scene: Scene) -> list[Omission]:
         "total-stress": "undrained clay in total stress: its strength does not depend on the pore pressure",
     }
     why = "; ".join(kinds[each] for each in scene.layer_drainage.split(", "))
+    used = ("drainage.water_unit_weight", "drainage.water_depth") if holds_suction(scene) else ()
+    keys = ", ".join(key for key in _PORE_KEYS if key not in used)
     return [
-        Omission(f"pore pressure of the soil ({', '.join(_PORE_KEYS)})", why, dry.saves(scene, pores)),
+        Omission(f"pore pressure of the soil ({keys})", why, dry.saves(scene, pores)),
         Omission(f"film of water in the interface ({', '.join(_FILM_KEYS)})", why, pores.saves(scene, both)),
     ]
 

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 
+from pysprings.model.forecast.omissions import left_out
 from pysprings.scene.defaults import RANGES, defaulted, defaulted_text, remarks
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.sections import plain_field
@@ -51,6 +52,21 @@ def test_missing_keys_name_their_layers() -> None:
         "soil.layer[0].young_modulus": "missing in layer 'SAND', 'CLAY'; law \"drucker-prager\" needs it, or "
         'shear_modulus; such as young_modulus = "200 MPa"'
     }
+
+
+@pytest.mark.parametrize("opening", ["sealed", "vented"])
+def test_the_depth_of_the_sea_is_listed_where_suction_holds_the_caisson(opening: str) -> None:
+    """Suction of a sealed surface ends at vapour pressure: without a depth that of a sea of 0 m, which counts."""
+    given = 'undrained_shear_strength = "20 kPa"\nrigidity_ratio = 200\neffective_unit_weight = "6 kN/m^3"\n'
+    scene = parse_scene(CLAY.replace("[interface]", f'{given}[interface]\nopening = "{opening}"'))
+    values = {row["key"]: row["value"] for row in defaulted(scene)}
+    unused = " ".join(each.what for each in left_out(scene))
+    if opening == "sealed":
+        assert values["drainage.water_depth"] == 0.0 and values["drainage.water_unit_weight"] == 9.81
+        assert "water_depth" not in unused
+    else:
+        assert not {key for key in values if "water" in key}
+        assert "drainage.water_depth" in unused
 
 
 def test_sand_without_a_surcharge_runs_and_is_remarked_on() -> None:
