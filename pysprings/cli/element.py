@@ -77,7 +77,7 @@ def element(
     loaded = load(scene, None, changes)
     folder = Path("out") / f"element-{scene.stem}" if out is None else out
     refuse_no_folder(folder)
-    stratum = _layer(loaded, layer)
+    stratum = _layer(loaded, layer, depth)
     at = 0.5 * (stratum.top + stratum.bottom) if depth is None else depth
     if not stratum.top <= at <= stratum.bottom:
         refuse("--depth", f"{at:g} m is not in the layer, {stratum.top:g} to {stratum.bottom:g} m")
@@ -109,8 +109,8 @@ def element(
         raise RunIncomplete("; ".join(outcome.stopped) or "the fit did not converge", folder)
 
 
-def _layer(scene: Scene, name: str | None) -> Stratum:
-    """Return a layer of the scene by its name; the only one where none is given."""
+def _layer(scene: Scene, name: str | None, depth: float | None) -> Stratum:
+    """Return the layer of a name, of several with it that at the depth [m]; without a name the only one."""
     strata = [each for each in scene.ground.strata if not each.like]
     names = ", ".join(f"'{each.name}'" for each in strata)
     if name is None and len(strata) > 1:
@@ -118,6 +118,11 @@ def _layer(scene: Scene, name: str | None) -> Stratum:
     found = [each for each in strata if name in (None, each.name)]
     if not found:
         refuse("--layer", f"{quoted(name)} is no layer of the scene: give one of {names}")
+    if len(found) > 1 and depth is not None:
+        found = [each for each in found if each.top <= depth <= each.bottom][:1] or found
+    if len(found) > 1:
+        places = ", ".join(f"{each.top:g} to {each.bottom:g} m" for each in found)
+        refuse("--depth", f"{len(found)} layers have the name {quoted(found[0].name)}, {places}: give a depth in one")
     return found[0]
 
 

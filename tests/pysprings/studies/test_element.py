@@ -123,6 +123,18 @@ def test_what_cannot_be_is_refused_in_one_line(scene: Path, options: tuple[str, 
     assert found.code == 2 and message in found.err and len(found.err.strip().splitlines()) == 1
 
 
+def test_of_two_layers_of_one_name_the_depth_decides(scene: Path, tmp_path: Path) -> None:
+    """As `pysprings ground` names them by their soil: 'sand' from 0 and from 9 m."""
+    text = SCENE.split("[interface]")[0].rpartition("[[soil.layer]]")[0]
+    again = text[text.index("[[soil.layer]]") :].replace("0 m", "9 m").replace("36 deg", "40 deg")
+    scene.write_text(SCENE.replace("[interface]", again + "[interface]"))
+    run = ("element", str(scene), "--layer", "sand", "--strain", "0.001", "--no-figures", "--out", str(tmp_path))
+    refused = command(*run)
+    assert refused.code == 2 and '2 layers have the name "sand", 0 to 6 m, 9 to' in refused.err
+    for depth in ("1 m", "10 m"):
+        assert f"at {depth} below mudline" in command(*run, "--depth", depth).out
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
