@@ -225,7 +225,7 @@ def clay(factors: tuple[float, float, float] = CONE_FACTORS) -> tuple[Correlatio
     strength = [
         Correlation("undrained_shear_strength", f"N_kt {each:g}", "N_kt 8 to 25 in the field; I_c above 2.6",
                     _su(each), lambda r: ~(r.index < 2.6))
-        for each in factors
+        for each in sorted(factors, reverse=True)  # low first, as the values stand
     ]  # fmt: skip
     stiffness = Correlation(
         "shear_modulus", "Mayne and Rix 1993", "G_0 0.7 to 800 MPa", _mayne,

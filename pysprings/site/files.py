@@ -36,16 +36,17 @@ from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_a
 from pysprings.site.sounding import Sounding, sounding, usable
 
 _DEPTHS = ("depth", "z", *NAMES["depth"], "penetration length", "sondeerlengte", "diepte", "tiefe", "scpt dpth")
-_CONE = ("qc", "q c", "cone resistance", "tip resistance", "cone tip resistance", "conusweerstand", "conuswaarde",
-         "conuswaarden", "puntdruk", "spitzendruck", "scpt res")  # fmt: skip
-_TOTAL_CONE = ("qt", "q t", "corrected cone resistance", "total cone resistance", "scpt qt")
+_CONE = ("qc", "q c", "cone resistance", "cone resistance qc", "tip resistance", "cone tip resistance",
+         "conusweerstand", "conuswaarde", "conuswaarden", "puntdruk", "spitzendruck", "scpt res")  # fmt: skip
+_TOTAL_CONE = ("qt", "q t", "corrected cone resistance", "corrected cone resistance qt",
+               "total cone resistance", "scpt qt")  # fmt: skip
 _TEST_COLUMNS = (
     Column("depth", "m", _DEPTHS, "m"), Column("qc", "Pa", _CONE, "MPa"), Column("qt", "Pa", _TOTAL_CONE, "MPa"),
-    Column("fs", "Pa", ("f s", "sleeve friction", "local friction", "plaatselijke wrijving", "kleef", "mantelreibung",
-                        "scpt fres"), "MPa"),
+    Column("fs", "Pa", ("f s", "sleeve friction", "sleeve friction fs", "local friction", "plaatselijke wrijving",
+                        "kleef", "mantelreibung", "scpt fres"), "MPa"),
     Column("u2", "Pa", ("u 2", "pore pressure u2", "pore pressure", "waterspanning u2", "scpt pwp2"), "MPa"),
     Column("u", "Pa", (), "MPa"), Column("Qt", "*", ("Qtn",), skipped="follows from the others"),
-    Column("Rf", "1", ("r f", "friction ratio", "wrijvingsgetal"), "", "", 0.01),
+    Column("Rf", "1", ("r f", "friction ratio", "friction ratio rf", "wrijvingsgetal"), "", "", 0.01),
     Column("location", TEXT, ("location identifier", "loca id", "borehole", "hole", "cpt", "bh")),
 )  # fmt: skip
 _PEAKS = ("su peak q", "su uu", "su dss", "su cauc", "cu peak", "failure shear stress", "peak shear stress")

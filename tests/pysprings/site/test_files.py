@@ -114,6 +114,7 @@ DUTCH = "Diepte[m];Conuswaarden[MN/m²];Plaatselijke wrijving [kPa];Phi'[°];\n"
 PERCENT = "depth_m,cone resistance (kPa),Rf (%)\n" + "".join(
     f"{z},{1e3 * q},{100 * f / q}\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True)
 )
+NAMED = CSV.replace("qc", "Cone resistance qc").replace("fs", "Sleeve friction fs").replace("u2", "Pore pressure u2")
 BEDS = "Depth from [m],Depth to [m],Soil type,Dr [-],su from [kPa],su to [kPa]\n"
 SOFT = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + "".join(f"{z},0.1,0.002,0.25\n" for z in DEPTH)
 ELEVATIONS = "z [m],qc [MPa],fs [MPa]\n" + "".join(f"{-25 - z},{q},0.01\n" for z, q in zip(DEPTH, CONE, strict=True))
@@ -130,6 +131,7 @@ def read(tmp_path: Path, name: str, text: str):
     [
         ("a.gef", GEF, True), ("old.GEF", OLD_GEF, False), ("a.ags", AGS, True), ("a.xml", bro(), True),
         ("a.csv", CSV, True), ("dutch.csv", DUTCH, False), ("percent.csv", PERCENT, False), ("gef.txt", GEF, True),
+        ("named.csv", NAMED, True),
     ],
 )  # fmt: skip
 def test_a_cone_penetration_test_has_the_same_numbers_from_every_format(tmp_path, name, text, pressure) -> None:

@@ -71,6 +71,7 @@ def test_values_of_known_soils(cpt, weighed) -> None:
     assert density["low"][0] < 0.7 and density["high"][0] > 0.68
     su = lower["values"]["undrained_shear_strength"]
     assert su["best"] == pytest.approx([20e3, 50e3], rel=0.05)
+    assert su["from"] == ["N_kt 18", "N_kt 14", "N_kt 10"]  # in the order of the values
     assert np.divide(su["high"], su["best"]) == pytest.approx([1.4, 1.4], rel=1e-3)
     assert np.divide(su["low"], su["best"]) == pytest.approx([14 / 18, 14 / 18], rel=1e-3)
 
