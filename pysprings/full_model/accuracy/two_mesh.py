@@ -258,7 +258,7 @@ def short(estimated: Mapping[str, Any]) -> str:
     parts = [f"{measures.MEASURES[name].head} {percent(value)}" for name, value in estimated["estimate_pct"].items()]
     if worst := estimated.get("worst_path"):
         quantity = {"py": "p-y"}.get(str(estimated.get("worst_quantity")), "load")
-        parts.append(f"largest in {quantity} of path {worst}")
+        parts.append(f"largest of load and p-y: {quantity} of path {worst}")
     return "; ".join([", ".join(parts), *([text] if (text := companion_text(estimated)) else [])])
 
 
