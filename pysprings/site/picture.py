@@ -80,7 +80,10 @@ def _value(axes: Axes, proposal: Proposal, key: str) -> None:
         axes.plot(points.values[key] * shown.factor, points.depth, "o", color=ORANGE, markeredgecolor=INK,
                   markersize=5, label="measured", zorder=4)  # fmt: skip
     low, high = axes.get_xlim()
-    axes.set_xlim(min(low, 0.0) if key in LINEAR else low, high)
+    lines = [line for unit in proposal.units if key in unit.values for line in unit.values[key].lines]
+    if key in LINEAR and points is None and lines:  # a row of the next layer would take the whole width
+        high = min(high, 2.0 * shown.factor * float(np.max(lines)))
+    axes.set_xlim(0.0 if key in LINEAR else low, high)
     axes.set_xlabel(f"{shown.symbol} [{shown.unit}]")
 
 

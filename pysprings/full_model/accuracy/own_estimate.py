@@ -103,7 +103,7 @@ def _path(fine: RecordedPath, share: float, cells: Reactions, harmonics: Reactio
     """Return the extrapolated variables of a path, from those of coarser cells, and of these with more harmonics."""
     own, new = fine.recorded, {}
     steps = np.flatnonzero(own["converged"].values == 1)
-    held = {"u", "w", "rotation"} & set(PATH_KINDS[fine.kind].holds)
+    held = {"u", "rotation"} & set(PATH_KINDS[fine.kind].holds)  # not w: both meshes settle before
     for name in (name for name in cells if name not in held):
         order = _axes(own, name)
         values = np.array(own[name].transpose(*order).values, dtype=float)

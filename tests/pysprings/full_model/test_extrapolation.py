@@ -95,6 +95,19 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
 
 
+def test_all_extrapolated_paths_begin_at_one_settlement() -> None:
+    """That of the dead load, which both meshes have before a vertical path moves on."""
+    caisson = tiny.scene().caisson.model_dump() | {"vertical_load": 1.2e6}
+    fine, coarse = (
+        compute(scene(paths=(PULL, DOWN), caisson=caisson, mesh=SERIES["mesh"] | {"refinement": size})).tree
+        for size in (0.6, 0.4)
+    )
+    both, _, _ = own_estimate.extrapolated(fine, coarse, 0.5)
+    own, down, pull = paths_of(fine)["down"]["w"], paths_of(both)["down"]["w"], paths_of(both)["pull"]["w"]
+    assert float(down[0]) == pytest.approx(float(pull[0]), rel=1e-9) and float(down[0]) != float(own[0])
+    np.testing.assert_allclose(down - down[0], own - own[0], rtol=1e-6, atol=1e-12)
+
+
 def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one() -> None:
     """The error of 0.6 and 1 of a section beside 2.2 of it is more than halved at the end of a pull."""
     path = {**PULL, "lateral_displacement": 8e-3}

@@ -16,6 +16,9 @@ from pysprings.scene.defaults import implausible
 from pysprings.scene.load import parse_scene
 from pysprings.scene.profile_table import read_layers
 from pysprings.scene.soils import SOIL_LAWS
+from pysprings.site.files import read_site
+from pysprings.site.picture import profile
+from pysprings.site.proposal import Options, propose
 from tests.support.commands import command
 
 GAMMA = 9.81e3
@@ -74,6 +77,19 @@ def test_values_of_known_soils(cpt, weighed) -> None:
     assert su["from"] == ["N_kt 18", "N_kt 14", "N_kt 10"]  # in the order of the values
     assert np.divide(su["high"], su["best"]) == pytest.approx([1.4, 1.4], rel=1e-3)
     assert np.divide(su["low"], su["best"]) == pytest.approx([14 / 18, 14 / 18], rel=1e-3)
+
+
+def test_a_row_of_the_next_layer_leaves_the_lines_in_sight(tmp_path) -> None:
+    """Soft clay over sand: the row on the boundary has su of hundreds of kPa."""
+    z = np.round(np.arange(0.02, 10.0, 0.02), 2)
+    cone, sleeve = np.where(z < 5.0, 0.6 + 0.05 * z, 20.0), np.where(z < 5.0, 0.025, 0.12)
+    file = tmp_path / "cpt.csv"
+    rows = "\n".join(f"{a},{b},{c}" for a, b, c in zip(z, cone, sleeve, strict=True))
+    file.write_text(f"z [m],qc [MPa],fs [MPa]\n{rows}\n")
+    proposed = propose(read_site([file]), Options())
+    (panel,) = (axes for axes in profile(proposed, "").axes if axes.get_xlabel().startswith("su"))
+    strength = max(np.max(unit.values["undrained_shear_strength"].lines) for unit in proposed.units[:1])
+    assert panel.get_xlim() == pytest.approx((0.0, 2e-3 * strength))
 
 
 def test_low_is_the_softest_and_high_the_stiffest_of_every_value(cpt) -> None:
