@@ -29,6 +29,7 @@ KEYS = ("end", "end_reason", *NUMBERS.values())
 MESH_ERROR = "mesh_error_pct"  # of a path: estimate of the error of its load that the mesh makes [%]
 MARGIN = "cavitation_margin"
 FEWEST = 2  # states of a path that springs are made from
+RESIDUAL = 1e-3  # of V: H and M [N, N m] of a vertical path are what the iteration leaves of zero
 _NOT_RECORDED = "reason not recorded"
 
 
@@ -67,7 +68,8 @@ class PathEnd:
         """How it ended, with the last state and the reason, as the rest of a sentence on the path."""
         words = {LIMIT_LOAD: "met a limit load of the full model", STOPPED: "stopped", REACHED: "reached its aim"}
         size = max(abs(self.H), abs(self.M))
-        known = np.isfinite([self.H, self.M]).all() and size >= NO_LOAD  # a vertical path has neither
+        least = np.fmax(NO_LOAD, RESIDUAL * abs(self.V))
+        known = np.isfinite([self.H, self.M]).all() and size >= least  # a vertical path has neither
         loads = f" at {loads_in_words(self.H, self.M)}" if known else ""
         loads += f" (u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)" if known and np.isfinite(self.u) else ""
         reason = self.why.partition(" (")[0]  # without the place and the residuals of the last attempt

@@ -3,6 +3,7 @@
 
 import json
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from pysprings.macro.predict import MacroModel, MacroWarning, curve, impose, pre
 from pysprings.macro.stiffness import stiffness
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.path import paths_of
-from pysprings.springs.path_ends import end_of
+from pysprings.springs.path_ends import PathEnd, end_of
 from pysprings.springs.springs import Springs
 from tests.support import tiny
 from tests.support.commands import command
@@ -229,6 +230,12 @@ def test_a_limit_load_of_the_full_model_is_kept_and_bounds_the_command(storm, tm
     done = command("predict", str(file), "--H", inside, "--json")
     assert done.code == 0
     assert json.loads(done.out)["attributes"]["path_end"] == "limit load"
+
+
+def test_what_iteration_leaves_on_a_vertical_path_is_no_load() -> None:
+    end = PathEnd("down", "reached", H=-42.0, M=-750.0, V=1e7, u=0.0, rotation=0.0)
+    assert str(end) == "path 'down' reached its aim"
+    assert "at H = 42 kN" in str(replace(end, H=42e3))
 
 
 def test_a_path_that_came_to_its_aim_is_kept_as_reached():
