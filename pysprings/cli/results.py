@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The output of `pysprings run`: where results are, how the paths went, cost, comparison."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -16,8 +16,6 @@ which is the area of the loop over 4 pi times the energy of a linear spring at i
 dH/du; dM/d(rotation) where u is held or H is constant.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise

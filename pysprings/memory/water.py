@@ -11,8 +11,6 @@ undrained springs no time passes. W comes from a ridge regression over the ways 
 other rates: at one rate alone, what drains and what yields look alike.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The result folder of a run: all files that `pysprings run` writes."""
 
-from __future__ import annotations
-
 import math
 import os
 import time

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The result folder of a run: its result, names of files and pictures, and what a new run removes (light)."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Iterable, Mapping

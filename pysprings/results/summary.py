@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A run in ten lines: end of `pysprings run`, first page of the report, first sheet of the workbook."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping

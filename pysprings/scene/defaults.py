@@ -6,8 +6,6 @@ A value that comes into its range when it is divided by 1000 or multiplied by it
 unit or a digit, and the sentence shows the value that was probably meant. 0 is a deliberate simplification.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The picture of a proposal: rows of the test, points, and lines low, best and high by depth."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure

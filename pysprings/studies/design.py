@@ -4,8 +4,6 @@
 What the springs do not cover is blank, with the reason.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace

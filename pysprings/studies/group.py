@@ -20,8 +20,6 @@ arm of each, T r_i/sum r^2. Left out: bending of the caissons across the plane, 
 through the soil, whose size in an elastic half-space is stated (`Group.interaction`).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any

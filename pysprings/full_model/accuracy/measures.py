@@ -17,8 +17,6 @@ and what answers depends on its kind (`core.path_kinds`). A path on which H and 
 load that climbs) is followed along |u| + |rotation| L, as in `macro.comparison`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

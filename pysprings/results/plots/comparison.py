@@ -5,8 +5,6 @@ Of a path that turns back: load over motion, and secant stiffness and damping by
 each other (`overlay`): load, rotation or moment, and p-y at some depths, path by path.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import cycle
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Load cases in the plane of V and H, with the vertical loads of the springs and the largest that these carry."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Samples of a study -> an atlas: principal components, a Gaussian process each; cases left out, held-back models."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

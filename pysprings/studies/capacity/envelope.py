@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Load cases beside an envelope of capacities: chords and triangles between the computed directions."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
