@@ -95,14 +95,15 @@ def atlas(
     Errors of cases that are left out one by one, and of held-back pulls, are printed and stored in the file.
     """
     from pysprings.studies.atlas import build
-    from pysprings.studies.atlas.model import family_of, write_atlas
+    from pysprings.studies.atlas.families import FAMILIES
+    from pysprings.studies.atlas.model import write_atlas
 
     target = out or Path(f"{family}.nc")
     if target.suffix != ".nc" or target.is_dir():
         refuse("--out", "name a file that ends in .nc", target)
     if table is not None and (table.suffix != ".csv" or held_back is None):
         refuse("--table", "is the comparison with --held-back: name a file that ends in .csv", table)
-    made, left, compared = build.atlas_of(study, family_of(family), held_back, _shares(at))
+    made, left, compared = build.atlas_of(study, FAMILIES.find(family, "family"), held_back, _shares(at))
     frames, file = {"Cases left out": build.left_summary(left)}, write_atlas(made, target)
     if table is not None and compared is not None:
         from pysprings.results.exporters.csv import write_frame

@@ -120,12 +120,9 @@ def _broken(row: Sequence[str], most: Sequence[int]) -> list[list[str]]:
 def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = False) -> str:
     """Return a table in Markdown; with ``numbers``, all columns but the first are set to the right."""
     rules = ["---", *["--:" if numbers else "---"] * (len(heads) - 1)]
-    lines = [heads, rules, *([_safe(text) for text in row] for row in rows)]
+    safe = [[text.replace("|", "\\|").replace("\n", " ") for text in row] for row in rows]
+    lines = [heads, rules, *safe]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
-
-
-def _safe(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ")
 
 
 def json_text(data: Any, indent: int | None = None) -> str:

@@ -77,7 +77,7 @@ def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> Diagnosis
     if worst <= 0.0:
         detail = f"the soil there has lost its ellipticity (det n.C.n is {worst:.2g} of the elastic one)"
         return Diagnosis(StopReason.LOCALISATION, detail + ("" if given_load else _LEADS_ON))
-    if _contact_there(system, elements):
+    if np.any(system.stations_on(elements) & (system.contact_state != CONTACT_OPEN)):
         return Diagnosis(StopReason.FRICTION, "stations there stick, slip and open in turn, and no set of states holds")
     return Diagnosis(StopReason.UNEXPLAINED)
 
@@ -160,11 +160,6 @@ def _acoustic(tangent: np.ndarray, directions: np.ndarray) -> np.ndarray:
 def _elastic(bulk: float, shear: float) -> float:
     """Return the det(n.C.n) of the elastic tangent: (K + 4G/3) G^2, in Pa3."""
     return float((bulk + 4.0 / 3.0 * shear) * shear * shear)
-
-
-def _contact_there(system: System | FourierSystem, elements: np.ndarray) -> bool:
-    """Return whether closed stations stand on these elements."""
-    return bool(np.any(system.stations_on(elements) & (system.contact_state != CONTACT_OPEN)))
 
 
 # --- how far a given load may move the caisson ---

@@ -249,7 +249,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     over = (answer["extrapolated"].values == 1) & (not extrapolate)
     sideways = answer["range_used"].values > 1.0 + RANGE_SLACK
     why = np.full(len(targets), "", dtype=object)
-    for marks, text in _reasons(past, over & sideways, over, reached == 0):
+    for marks, text in ((past, PAST), (over & sideways, SIDEWAYS), (over, DOWN), (reached == 0, LOST)):
         why[marks & (why == "")] = text
     answered = why == ""
     values = {
@@ -277,7 +277,3 @@ _UNITS = {
     "utilisation": {"units": "1"}, "utilisation_V": {"units": "1"},
     "capacity_V": {"units": "N"},
 }  # fmt: skip
-
-
-def _reasons(past: Any, sideways: Any, down: Any, lost: Any) -> Iterator[tuple[Marks, str]]:
-    yield from ((past, PAST), (sideways, SIDEWAYS), (down, DOWN), (lost, LOST))

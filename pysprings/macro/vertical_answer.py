@@ -211,7 +211,9 @@ def with_vertical_use(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     V = answer["V"].values
     known = variables.GROUPS["prediction"]["utilisation_V"].attributes()
     added = answer.assign(utilisation_V=(answer["V"].dims, vertical_use(model, V)["utilisation_V"], known))
-    return added.assign_attrs(_largest_attributes(*largest_vertical(model, float(V[-1])))) if V.size else added
+    largest, kind, source = largest_vertical(model, float(V[-1])) if V.size else (np.nan, "", "")
+    of_last = {"capacity_V_N": largest, "capacity_V_kind": kind, "capacity_V_from": source}
+    return added.assign_attrs(of_last) if kind else added
 
 
 def vertical_use(model: MacroModel, V: Array) -> dict[str, Any]:
@@ -223,10 +225,6 @@ def vertical_use(model: MacroModel, V: Array) -> dict[str, Any]:
     largest = np.where(V >= 0.0, down[0], up[0])
     kind = np.where(V >= 0.0, np.array(down[1], dtype=object), np.array(up[1], dtype=object))
     return {"capacity_V": largest, "capacity_V_kind": kind, "utilisation_V": V / largest}
-
-
-def _largest_attributes(largest: float, kind: str, source: str) -> dict[str, Any]:
-    return {"capacity_V_N": largest, "capacity_V_kind": kind, "capacity_V_from": source} if kind else {}
 
 
 def _is_flat(branch: Branch) -> bool:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
@@ -24,8 +23,6 @@ from pysprings.memory.space import calibrate_in_space
 from pysprings.memory.water import Water
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs, memory_groups
-
-Array = NDArray[np.float64]
 
 MISSING = (
     "no ray that turns back at this vertical load and rate: monotonic paths do not show how the soil reacts on "

@@ -122,16 +122,12 @@ class Option:
     choices: tuple[str, ...] = ()
 
 
-def _ignore(_file: Path) -> None:
-    pass
-
-
 @dataclass(frozen=True, slots=True)
 class Target:
     """Where an exporter writes: its file, or a folder, which need not exist; `note` is called with each file."""
 
     path: Path
-    note: Callable[[Path], object] = _ignore
+    note: Callable[[Path], object] = lambda _file: None
 
     def write(self, name: str, text: str) -> Path:
         """Write a text file into the folder, whole or not at all; return its path."""

@@ -78,14 +78,6 @@ class View:
         return data.assign_attrs({**attrs, **data.attrs})
 
 
-def _always(_view: View) -> bool:
-    return True
-
-
-def _view(view: View) -> tuple[Any, ...]:
-    return (view,)
-
-
 @dataclass(frozen=True, slots=True)
 class Picture:
     """A picture of a run.
@@ -112,9 +104,9 @@ class Picture:
     name: str
     caption: str
     function: Callable[..., Figure]
-    data: Callable[[View], tuple[Any, ...]] = _view
+    data: Callable[[View], tuple[Any, ...]] = lambda view: (view,)
     scope: Scope = "path"
-    applies: Callable[[View], bool] = _always
+    applies: Callable[[View], bool] = lambda _view: True
     section: Part = "numerics"
 
     def draw(self, view: View, **options: Any) -> Figure:

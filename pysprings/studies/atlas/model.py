@@ -213,11 +213,6 @@ def sums(values: Array) -> tuple[Array, Array]:
     return p.sum(axis=-2) + tip + lid, M
 
 
-def family_of(name: str) -> Family:
-    """Return a family by its name. Raises UserInputError."""
-    return FAMILIES.find(name, "family")
-
-
 SUFFIX = ".nc"
 SHIPPED = Path(__file__).parent / "shipped"
 

@@ -333,13 +333,3 @@ def _values(table: Table, key: str) -> list[Value]:
                 table.fault(k, key, str(error))
             values.append(text)
     return values
-
-
-def wants_again(asked: str) -> bool:
-    """Return whether a person asked in cases.csv for a case to be repeated."""
-    return asked == AGAIN
-
-
-def is_skipped(asked: str) -> bool:
-    """Return whether a person left a case out in cases.csv."""
-    return asked == SKIP

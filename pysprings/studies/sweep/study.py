@@ -21,6 +21,7 @@ from pysprings.core.storage import remove_leftovers, write_text
 from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.studies.sweep import worker
 from pysprings.studies.sweep.plan import (
+    AGAIN,
     CASES,
     SKIP,
     STOPPED,
@@ -28,9 +29,7 @@ from pysprings.studies.sweep.plan import (
     Case,
     Plan,
     State,
-    is_skipped,
     read_cases,
-    wants_again,
     write_cases,
 )
 
@@ -148,9 +147,9 @@ def _stamp(file: Path) -> str | None:
 def _state(study: Study, case: Case, asked: str) -> State:
     """Return how a case stands by its folder and by what a person asked for."""
     folder = study.folder(case.number)
-    if is_skipped(asked):
+    if asked == SKIP:
         return State(SKIP, hash=folder.name)
-    if wants_again(asked):
+    if asked == AGAIN:
         (folder / worker.ENDED).unlink(missing_ok=True)
         return State(hash=folder.name)
     ended = worker.read_ended(folder)
