@@ -24,8 +24,6 @@ _NUMBER = re.compile(r"([A-Z] )?[-+]?[\d,]*\.?\d+(e[-+]?\d+)?( [A-Za-z%/]+)*|-|"
 class Column:
     """A column of a table: how a value of a row, in SI, is shown.
 
-    Attributes
-    ----------
     head : heading, with the unit.
     source : key of the value in a row, or a function of the row.
     form : figures of a number, or a format such as ".2f".
@@ -80,8 +78,6 @@ def filled(columns: Iterable[Column], rows: Sequence[Row], brief: bool = False) 
 class Table:
     """A table for people, cells as text.
 
-    Attributes
-    ----------
     title : Caption; blank for none.
     columns : Headings with units.
     rows : Cells by row.

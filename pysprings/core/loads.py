@@ -20,8 +20,6 @@ ROUNDING = 1e-6  # share of a moment up to which its part across the plane of H 
 class InPlane:
     """Loads (n,) in the vertical plane of their force, else of their moment.
 
-    Attributes
-    ----------
     H, M : force [N] and moment [N m] in the plane; M = H h of a force at height h.
     across : moment about the direction of the plane [N m], right-handed: it bends across the plane.
     direction : of the plane [rad], from x towards y.
@@ -36,8 +34,6 @@ class InPlane:
 def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Array | None = None) -> InPlane:
     """Return loads in their planes.
 
-    Parameters
-    ----------
     force : (n, 2) H_x, H_y [N].
     bending : (n, 2) moments in the planes of x and y, M_y and -M_x [N m].
     least : (n, 2) force [N] and moment [N m] that are rounding; by default of forces at heights up to 100 m.

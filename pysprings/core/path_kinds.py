@@ -28,8 +28,6 @@ UNITS = {
 class PathKind:
     """One kind of load path.
 
-    Attributes
-    ----------
     imposed : key of the scene with the imposed quantity.
     drives : degree of freedom that grows along the path.
     load, companion : load that answers `drives`; second answer of the accuracy study (None: there is none).

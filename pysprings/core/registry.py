@@ -26,8 +26,6 @@ Item = TypeVar("Item", bound=Named)
 class Registry(Generic[Item]):
     """Cases of one kind by name, in order of registration.
 
-    Parameters
-    ----------
     kind : What a case is, for messages: "exporter".
     items : Cases of this package.
     """

@@ -84,8 +84,6 @@ class QuantityError(ValueError):
 def read(text: str, si_unit: str, example: str = "") -> float:
     """Return the value of a quantity in its SI unit.
 
-    Parameters
-    ----------
     text : quantity such as "200 MPa"
     si_unit : SI unit of the answer (a key of MEANING), which fixes the dimension, e.g. "Pa"
     example : quantity shown in messages, e.g. "200 MPa"

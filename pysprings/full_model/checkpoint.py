@@ -51,8 +51,6 @@ class Saved:
 class Cost:
     """What a part of a run has cost: a path, what comes before the first one, or all of it so far.
 
-    Attributes
-    ----------
     wall, cpu : seconds by phase; ``cpu_s`` are CPU seconds of everything, phases or not.
     factorisations, solves : of the linear solver; ``worst`` is its largest residual until then.
     checkpoints, spent : number of checkpoints of paths, and their wall seconds.
@@ -87,8 +85,6 @@ class Damaged(Exception):
 class Loaded:
     """Content of a folder of checkpoints: shared data, paths by name, whole or on their way, damaged files.
 
-    Attributes
-    ----------
     environments : in which the files were written.
     resumed : earlier continuations (`Checkpoints.resumed`); ``elapsed`` the wall seconds of the run until then.
     """
@@ -121,8 +117,6 @@ class Loaded:
 class Checkpoints:
     """The checkpoints of one run in ``folder / "checkpoint"``.
 
-    Attributes
-    ----------
     prefix : of the names of the files; empty for those of the run itself.
     identity : what has to be the same for a run to go on, by name: scene, mesh, version, engine, linear solver.
     environment : what the run is computed with (`full_model.work`); another one is noted, not refused.
@@ -314,8 +308,6 @@ _FIELD, _ROW, _LAST, _FACTORS = "field/", "row/", "last/", "factors/"  # names o
 class Gathered:
     """Rows, iterations and balances of a path, whole or as far as it went.
 
-    Attributes
-    ----------
     rows : one a step, with the same names.
     record : one entry per iteration; ``given_up`` the failed attempts; ``limits`` what limited each step.
     cavitation : margin of the first step whose water would cavitate.
@@ -375,8 +367,6 @@ class Gathered:
 class Standing:
     """State of a path after a step, from which it goes on: copies of its changing fields.
 
-    Attributes
-    ----------
     stage, time : number of the stage, and time [s] since the start of the path.
     fields : committed state.
     position : where the driver goes on in the stage; ``force`` and ``stiffness`` are the driver's.

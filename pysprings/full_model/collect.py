@@ -36,8 +36,6 @@ from pysprings.model.contact import SURFACE
 class SkirtSlices:
     """Slices from mudline to tip.
 
-    Attributes
-    ----------
     rings : (nz,) depths of the rings of nodes, m.
     bounds : (nd, 2) top and bottom of each slice, m.
     depth : (nd,) where the forces of a slice are said to act, m.

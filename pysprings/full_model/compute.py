@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 class RunOptions:
     """How a scene is run.
 
-    Attributes
-    ----------
     mesh, linear : preset and linear solver instead of the scene's.
     progress : called as ``progress(path, fraction, message)``.
     checkpoints : where checkpoints are left. They stay when the paths have ended: the caller removes them after saving.

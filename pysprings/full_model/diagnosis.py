@@ -172,8 +172,6 @@ OVERSHOOT = 1.1
 class DisplacementLimit:
     """The limit for a caisson.
 
-    Attributes
-    ----------
     diameter, skirt_length : of the caisson [m].
     largest_share : of the diameter, by which the lid centre or the tip may move sideways, or the caisson up or down.
     largest_rotation : [rad].

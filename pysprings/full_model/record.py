@@ -57,8 +57,6 @@ def summarise(
 ) -> PathFigures:
     """Return the figures of a path but for how it ended and its energy.
 
-    Parameters
-    ----------
     record : one row per iteration (`fe_engine.solve.stepping.Driver`).
     cut_backs : attempts that were given up, see `cut_back`.
     path : what was collected along the path.

@@ -40,8 +40,6 @@ class Status(StrEnum):
 class Ending:
     """How a path ended; unless it has, it is interrupted.
 
-    Attributes
-    ----------
     reason, why : why it stopped, and the same in one line that begins with the reason; none where it came to its aim.
     failure : sentence for the record; empty where the path came to its aim or to its limit load, or was interrupted.
     """
@@ -186,8 +184,6 @@ class LimitLoad(_Part):
 class PathFigures(_Part):
     """Figures of a path: how it ended, increments, iterations, cut-backs, order of convergence, balances.
 
-    Attributes
-    ----------
     reason : why the path stopped; None where it came to its aim.
     limit_load : where it stopped at its limit load.
     increments_of_dead_load : those of them before the path, where its caisson carries more or less than the balance.
@@ -245,8 +241,6 @@ class CheckpointCost(_Part):
 class RunRecord(_Part):
     """Status, convergence and cost of a run.
 
-    Attributes
-    ----------
     stopped_by : why the run ended before its paths did; None where it did not.
     failures, warnings : sentences on paths that stopped, and on what was computed.
     schema : of the full-model result.

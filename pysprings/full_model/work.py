@@ -79,8 +79,6 @@ class Whole:
 class Work:
     """A run on its way.
 
-    Attributes
-    ----------
     paths, figures : datasets by group of the result, and figures by path, of the paths that have ended.
     failures, warnings : sentences for the record.
     stopped : why the run ended before its paths did.

@@ -41,8 +41,6 @@ _KEPT = (
 class Way:
     """States that were solved, and what was asked for.
 
-    Attributes
-    ----------
     states, loads : (n, 2) = (u [m], rotation [rad]) and (H [N], M [N m]).
     control : what was imposed.
     V : vertical load asked for [N], one number or one a state (None: that of the springs).
@@ -225,8 +223,6 @@ class PredictionNotConverged(RunIncomplete):
 class Care(TypedDict, total=False):
     """Keywords on answers that springs support in part.
 
-    Attributes
-    ----------
     strict : refuse every answer with a mark.
     extrapolate : answer beyond the calibrated range, with marks; without, that is refused.
     """

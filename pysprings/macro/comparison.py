@@ -72,8 +72,6 @@ FEWEST_THINNED = 4  # a path needs more states than these for every second one t
 class Comparison:
     """The macro-model beside the full model that its springs come from. Everything is computed at its first use, once.
 
-    Attributes
-    ----------
     springs : the springs.
     springs_kind : the only spring set that is compared; None for all that the springs give.
     """

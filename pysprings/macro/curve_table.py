@@ -42,8 +42,6 @@ Slice = tuple[float, float]  # depth and height [m] of what a reaction acts on; 
 class SpringTable:
     """Springs as rows. n rows, k knots at most; see the module's words for a and b.
 
-    Attributes
-    ----------
     name, depth : list of str, (n,) float
         Family (p, m, H_tip, M_tip, H_lid, M_lid) and depth [m] of each row.
     carrier : list of str

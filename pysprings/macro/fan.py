@@ -41,8 +41,6 @@ WATER = "p_water"
 class FanTable:
     """Reactions along rays. n rays at increasing angles, rows of reactions, k knots at most.
 
-    Attributes
-    ----------
     path : tuple of str
         Calibration path of each ray.
     length : float

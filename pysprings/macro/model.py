@@ -42,8 +42,6 @@ NO_ENDS = "springs of an earlier version: how their paths ended is not known, lo
 class MacroModel:
     """A rigid caisson on the springs of one path, or of a fan of paths; built once, asked often.
 
-    Attributes
-    ----------
     response : The lateral springs, and how they answer.
     spring_set : Name of the spring set: see `pysprings.macro.spring_sets`.
     stiffness_initial : (3, 3) initial tangent of the full model for (u, w, rotation); None for springs of a table
@@ -184,8 +182,6 @@ class MacroModel:
 
         Returns states (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message on where it ended when k < n.
 
-        Parameters
-        ----------
         control : "displacement" (u with the load at height arm), "rotation" (rotation with the load at height arm),
             "load" (H, M) or "state" (u and rotation imposed).
         targets : (n, 2): (u, -), (rotation, -), (H, M) or (u, rotation); the - columns are not read.

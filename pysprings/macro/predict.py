@@ -61,8 +61,6 @@ STEPS = 25  # on the way from the origin to one load or motion
 class SpringChoice(TypedDict, total=False):
     """Keywords that choose among the springs of a caisson; a model built before (`model_of`) takes none of them.
 
-    Attributes
-    ----------
     springs_kind : spring set ("fan", "full", "pisa", "py"); the fan if present, else the full set.
     path : load path whose springs are used, of a set of one path; the first calibration path.
     """

@@ -56,8 +56,6 @@ class Support:
 class ElementRows:
     """Elements that keep a state, for programs that step in time: none of a backbone.
 
-    Attributes
-    ----------
     rows : (n, 17) thirteen parameters each (`pysprings.memory.elements`; without a direction: of both planes), and
         factors of w and V [1, N/m]: two of the way, two of the stored part.
     head : largest step [m], radius [m] and largest twist [m] of elements of torsion (0: none), way of the calibration
@@ -82,8 +80,6 @@ class ElementRows:
 class Response(Protocol):
     """Lateral springs of a caisson, as a table of their backbones, and how they answer.
 
-    Attributes
-    ----------
     table : the backbones as interpolation tables.
     origin : path that gives depths and the state at rest; the first ray of a fan; without states for free curves.
     sources : names of the paths that the springs come from.

@@ -71,8 +71,6 @@ class SpaceResponse(Protocol):
 class SpaceAnswers:
     """Springs that answer loads from all sides, with what they were checked on.
 
-    Attributes
-    ----------
     response : the springs.
     length : skirt length [m].
     checked : shares of their range that lateral motions, and twists alone, of held-back paths reach; 0 without any.

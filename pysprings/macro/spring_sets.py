@@ -37,8 +37,6 @@ CYCLES = (
 class SpringSet:
     """A choice of springs for the rigid caisson.
 
-    Attributes
-    ----------
     name : Word of `--springs`.
     label, description : Title in pictures and tables; clause for help texts.
     build : (springs at one rate and vertical load, path or None) -> `Response`; raises UserInputError for springs that

@@ -33,8 +33,6 @@ GAUSS = 64  # points of the mean along the way
 class Form(TypedDict, total=False):
     """Keywords on the form of a stiffness.
 
-    Attributes
-    ----------
     secant : that from rest to the state, instead of the tangent there.
     symmetric : the symmetric part alone.
     reference_depth : depth [m] below mudline of the point on the axis that the matrix belongs to; 0 is the lid centre.

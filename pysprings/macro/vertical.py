@@ -40,8 +40,6 @@ LOST_NEAR = 0.2
 class Branch:
     """Reactions in one direction over x = |w - w0|: rows (t by depth, V_tip, V_lid, V), k knots.
 
-    Attributes
-    ----------
     path : name of the path it comes from.
     sign : 1 downwards, -1 upwards.
     x : (k,) knots [m], 0 first.
@@ -95,8 +93,6 @@ class Branch:
 class VerticalTable:
     """Vertical springs of a caisson.
 
-    Attributes
-    ----------
     rest : w0 [m] and V0 [N] of the state at rest, where both directions start.
     depth, b : (rows,) depth [m] of each row, and its action on V: t with its slice, V_tip and V_lid with 1, V with 0.
     name : (rows,) t, V_tip, V_lid, V.

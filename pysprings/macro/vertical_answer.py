@@ -74,8 +74,6 @@ def vertical_answer(
 ) -> Down:
     """Return what goes with lateral states (n, 2) = (u, rotation) under a vertical load.
 
-    Parameters
-    ----------
     w, V : Vertical displacement [m] and load [N] of the lateral springs by step; None if a table has none.
     imposed : Imposed vertical load [N], one number or one a step; None: that of the lateral springs.
     """

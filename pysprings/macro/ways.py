@@ -146,8 +146,6 @@ class Limit:
 class Along:
     """What of a way is to be marked.
 
-    Attributes
-    ----------
     aim : load (H, M) that was not carried where the way ended before it.
     turned : marks of states after a turn of the way.
     limit : returns the largest load within the range of the springs, given the number of the first state beyond it.

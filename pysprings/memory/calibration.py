@@ -30,8 +30,6 @@ PLASTIC_NUMBERS, PLATE_NUMBERS, MOST_NUMBERS = 5, 6, 1190
 class SpaceElements:
     """Calibrated elements in space (`pysprings.memory.space`).
 
-    Attributes
-    ----------
     rows : (n, SPACE_COLUMNS) parameters, see `pysprings.memory.elements`.
     radius : at the wall [m], which makes a length of the twist.
     twist : largest motion of the wall by a twist [m]; 0 without elements of torsion.
@@ -61,8 +59,6 @@ class SpaceElements:
 class ElementSet:
     """Calibrated elements.
 
-    Attributes
-    ----------
     rows : (n, COLUMNS) parameters, see `pysprings.memory.elements`; B in N/m.
     reach : size of the largest motion of the rays [m].
     shares : how the elements share out the reactions.

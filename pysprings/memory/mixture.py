@@ -107,8 +107,6 @@ class Step(NamedTuple):
 class ChangingLoad:
     """Elements at several vertical loads, and how a V that changes takes away what they carry.
 
-    Attributes
-    ----------
     loads : (k,) V [N], increasing. sets : elements at each. virgin, reloading : V_virgin and V_reload [N].
     """
 

@@ -41,8 +41,6 @@ _WAY = np.concatenate([np.linspace(0.02, 0.5, 25), np.linspace(0.48, -0.5, 50), 
 class MemorySprings(FanSprings):
     """Elements with a memory (`pysprings.memory.elements`) that share out the reactions of a fan.
 
-    Attributes
-    ----------
     table : fan of the rays: names, depths and actions of the reactions, and the size of the loads.
     elements : calibrated elements.
     V : vertical load [N] of the rays that turn back, or between two of theirs; NaN where it is not known.

@@ -166,8 +166,6 @@ TURNING = 1.5  # weight of the heave of a ray that turns back beside a ray
 class Shares:
     """Reactions from states of elements; the rows are those of a fan (`pysprings.macro.fan.FanTable`).
 
-    Attributes
-    ----------
     odd : rows that change their sign. rest : (rows,) values at rest.
     loads, elastic : (odd rows, 2) S [1, 1/m], and (odd rows, 2 n) D [N/m of e, N/m2].
     even : (even rows, 2 n) of p/(1 + p/(s d)), then of |e|_G^2/d.

@@ -51,8 +51,6 @@ HEAVE = "w out of one plane is that at V of the springs, {}, and of another V be
 class SpaceSprings:
     """Elements in space (`pysprings.memory.space`) that carry a rigid caisson.
 
-    Attributes
-    ----------
     elements : calibrated elements.
     length, reach : skirt length, and size of the largest motion of the rays [m].
     largest : largest step of a motion [m].
@@ -280,8 +278,6 @@ class SpaceStepper:
     `advance` finds a trial state from the committed one, `commit` keeps it; without `commit` the next `advance` starts
     from the same committed state.
 
-    Attributes
-    ----------
     state : (elements, 5) committed numbers of the elements.
     motion, load : committed (u_x, u_y, rot_x, rot_y, rot_z) and (H_x, H_y, M_x, M_y, T), in m, rad, N, N m.
     """

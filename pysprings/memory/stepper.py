@@ -25,8 +25,6 @@ _NO_ANSWER = "the elements carry no more than {} on the way to this step"
 class StepMarks:
     """What of a state the springs do not cover; the words are those of a prediction.
 
-    Attributes
-    ----------
     range_used : size of the motion over that of the rays beside it.
     extrapolated : True beyond the rays.
     off_path : True between rays too far apart.
@@ -62,8 +60,6 @@ class MemoryStepper:
     from the same committed state. The attributes may be set to those of another time: all else follows from the next
     `advance`.
 
-    Attributes
-    ----------
     state : (elements, 3) committed numbers of the elements.
     motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
     way : committed motions added up [m].

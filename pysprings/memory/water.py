@@ -76,8 +76,6 @@ RIDGE = 1e-2  # of the largest singular value of the regressors
 class Water:
     """Water's part of p from elastic motions of elements.
 
-    Attributes
-    ----------
     factors : (rows, times, 2 n) W [N/m2], a row for each side and depth.
     times : (times, n) T [s] of each element.
     """

@@ -65,8 +65,6 @@ KINDS: dict[ElementTest, Kind] = {
 class Curve:
     """States of a specimen along a test, one a row; compression positive, in SI.
 
-    Attributes
-    ----------
     strain, stress : (n, 6), tension positive as the law has them.
     consolidation : stress (Pa) that the test was asked for: all round, or vertical.
     stopped : why it did not reach its last strain; blank where it did.

@@ -374,8 +374,6 @@ def space_points(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
 def space_stages(scene: Scene, path: Path, dead: float, balanced: float, first: float) -> list[Stage]:
     """Return the stages of a path that starts at w = 0, one after the other.
 
-    Parameters
-    ----------
     dead, balanced : vertical load (N) beyond the one that balances the initial contact stresses, and that one.
     first : size of the first step, m.
     """

@@ -39,8 +39,6 @@ _ROUNDING = 1.0 + 1.0e-6
 class SteelMesh:
     """Steel nodes and elements, numbered behind the soil's nodes.
 
-    Attributes
-    ----------
     nodes : (k, 3) m; hexes : (nl, 8), third local direction through the thickness.
     held : (h,) nodes of the patch; symmetry : (s,) nodes on the plane y = 0.
     walls : side -> (na, nz) nodes, as in CaissonMesh.
@@ -140,8 +138,6 @@ _AROUND = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]  # no
 class SteelRings:
     """Steel nodes and elements, numbered behind the soil's nodes.
 
-    Attributes
-    ----------
     nodes : (k, 2), r and z in m; quads : (nl, 8).
     held : (h,) nodes of the patch.
     walls : side -> (nz,) nodes, as in CaissonSection.

@@ -44,8 +44,6 @@ NOT_YET = "not made yet"
 class Writing:
     """What decides the files of a run beside its scene.
 
-    Attributes
-    ----------
     target_error : target, scene and earlier runs (`accuracy.target.judged`); its error is judged at the end.
     figures : pictures that are drawn, whatever the scene says; None: those that it asks for.
     formats : formats of the pictures: "png", "svg".

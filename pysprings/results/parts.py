@@ -114,8 +114,6 @@ def load_sizes(paths: Iterable[xr.Dataset], arm: float) -> dict[str, float]:
 def pick_step(path: xr.Dataset, step: int | None = None, displacement: float | None = None) -> int:
     """Choose a step: the given one, else the converged one nearest to a displacement [m], else the last.
 
-    Parameters
-    ----------
     path : One path of a result.
     step : Index of a step; taken as it is.
     displacement : Lateral displacement u of the lid centre [m].

@@ -21,8 +21,6 @@ def write_sheet(
 ) -> Path:
     """Write one table as a workbook, whole or not at all; return its path.
 
-    Parameters
-    ----------
     heads : Headings with units.
     rows : Values of each row (texts, numbers; None and NaN are blank), and whether the row is marked.
     about : Lines of a second sheet, by name; no sheet where there are none.

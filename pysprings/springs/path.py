@@ -45,8 +45,6 @@ SPACE_LOADS = tuple(name for name in LOADS if name != "V")
 class RecordedPath:
     """A load path: what the full model recorded along it. Nothing of it may be changed.
 
-    Attributes
-    ----------
     name : of the path.
     recorded : all steps, as the file holds them (`pysprings.core.variables`, groups ``result_path``, ``springs_path``).
     length : skirt length [m].

@@ -73,8 +73,6 @@ def answer_cases(
 ) -> pd.DataFrame:
     """Return the answers to load cases, a row a case.
 
-    Parameters
-    ----------
     tilt : Largest rotation that is tolerated [rad], of cases that have none of their own; None: `tolerated_tilt`.
     extrapolate : Answer beyond the calibrated range, marked.
     choice : Spring set and path (`pysprings.macro.predict.SpringChoice`).

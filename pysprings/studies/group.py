@@ -54,8 +54,6 @@ _MOTIONS = ("u", "w", "rotation")
 class Group:
     """Caissons under one frame.
 
-    Attributes
-    ----------
     name : by caisson.
     at : (n, 2) positions x, y [m] in plan of the axes of load cases; their origin is the point of M and across.
     joint : rotational stiffness [N m/rad] of each joint with the frame; inf: rigid.

@@ -46,8 +46,6 @@ _SIZES, _HALVINGS = 20, 6  # diameters in equal ratios for the range that an atl
 class Wanted:
     """What a caisson must meet.
 
-    Attributes
-    ----------
     cases : load cases; V [N] of a case is that of its caisson, NaN: that of the scene.
     tilt : largest rotation [rad], of cases that have none of their own.
     utilisation : largest share of the largest known load.

@@ -39,8 +39,6 @@ SET = {"springs_kind": None, "path": None, "strict": False, "extrapolate": False
 class Answer:
     """What is known of a load.
 
-    Attributes
-    ----------
     question : the load in SI; None where the inputs are no load.
     refusal : why there is no answer, as `predict` prints it; blank with one.
     way : states up to the load. onward : states up to the largest known load of its direction.

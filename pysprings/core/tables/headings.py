@@ -33,8 +33,6 @@ _EXAMPLES = {
 class Column:
     """A column that a reader declares.
 
-    Attributes
-    ----------
     name : of the column; a heading with exactly this text is in the unit of the column.
     unit : SI unit; "1" for a pure number, "" (`TEXT`) for words, "*" for a column whose unit does not matter.
     names : other names without the unit, in lower case.

@@ -62,8 +62,6 @@ def below_mudline(H: float, M: float) -> str:
 class LoadCases:
     """Load cases, n of them, in SI with their partial factors.
 
-    Attributes
-    ----------
     file : of the table.
     name, limit_state : by case; blank where not given.
     line : of the first row of each case.

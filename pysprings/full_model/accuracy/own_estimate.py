@@ -229,8 +229,6 @@ TOO_LONG = f"it took more than {LONGEST:g} times the run itself, and 5 minutes"
 class Companions:
     """Runs on the coarser mesh by number of harmonics (None: bricks), or why there are none; what they cost.
 
-    Attributes
-    ----------
     trees, richer : whole runs, and runs with two harmonics more.
     harmonics : the number that was chosen.
     stopped : by path why it stopped on the coarser mesh.

@@ -96,8 +96,6 @@ def settings(
 ) -> list[Setting]:  # fmt: skip
     """Return the settings of a study.
 
-    Parameters
-    ----------
     meshes : presets, with a factor if wanted ("medium:0.7", "fourier-coarse:2@5"), in any order; the series of the
         extrapolation. Empty: SERIES, and BETWEEN.
     quick : a smaller series (where no meshes are given) and fewer variations.

@@ -28,8 +28,6 @@ __all__ = ["EXPORTERS", "Exported", "Exporter", "Option", "Source", "Target", "e
 def export(data: xr.DataTree | Source, name: str, target: PathLike | Target, **options: Any) -> Exported:
     """Write springs or a full model with an exporter.
 
-    Parameters
-    ----------
     data : Springs or a full model, as the exporter needs; or a source of both.
     name : Name of the exporter.
     target : File for exporters of one file, else folder, which need not exist.

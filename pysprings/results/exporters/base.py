@@ -45,8 +45,6 @@ Needs = Literal["springs", "full model"]
 class Source:
     """Data of a run for exporters; each part is opened or computed with its first access, and kept.
 
-    Parameters
-    ----------
     springs, result : Spring set (springs.nc) and full model (full_model.nc), or functions that return them; None
         without one.
     """
@@ -105,8 +103,6 @@ def _opened(given: xr.DataTree | Callable[[], xr.DataTree] | None, what: str) ->
 class Option:
     """An option of an exporter (`--option NAME=VALUE`).
 
-    Attributes
-    ----------
     name, help : Word of the option; what it does, for help texts.
     default : Value when the option is absent; its type is that of the option.
     unit : SI unit of a quantity, which users give with a unit ("4 MN"); blank for plain values.
@@ -153,8 +149,6 @@ Options = Mapping[str, Any]
 class Exporter:
     """A format for other programs and people.
 
-    Attributes
-    ----------
     name : Word of `--to` and `--format`.
     description : What the files are, in one clause.
     write : (source, target, options) -> `Exported`. Files replace earlier ones only when they are whole.

@@ -58,8 +58,6 @@ def torsion_words(stiffness: float | None) -> str:
 def header(source: Source, target: str, frame: str, units: str, use: str = BACKBONE) -> list[str]:
     """Return the lines of a header, without comment signs.
 
-    Parameters
-    ----------
     source : Springs of the export.
     target : Program and kind of file.
     frame, units : Axes with their signs, and units, of the numbers in the file.

@@ -33,8 +33,6 @@ STIFFEST = 1e-9  # least slope behind the range over the first one: some program
 class Spring:
     """A spring that reads one displacement and acts against it.
 
-    Attributes
-    ----------
     name : family (p, m, H_tip, M_tip, H_lid, M_lid, virtual, V).
     direction : lateral at its depth, rotation, or vertical.
     depth, height : place below mudline [m]; height of its slice [m], 0 for springs of tip, lid and virtual ones.

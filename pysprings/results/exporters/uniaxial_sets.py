@@ -114,8 +114,6 @@ ROUNDING = 1e-6  # u over that of the rotation: less is no displacement
 class Uniaxial:
     """Uniaxial springs of a caisson.
 
-    Attributes
-    ----------
     model : macro-model of a motion along a plane; its lateral springs all read the displacement that they act against.
     rows : laws of the lateral and rotational springs in each plane.
     planes : number of vertical planes, at equal angles.

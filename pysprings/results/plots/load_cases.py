@@ -24,8 +24,6 @@ MOST_NAMED = 12  # cases with their names: those of the largest utilisation
 def load_cases(table: pd.DataFrame, springs: AnySprings | None) -> Figure:
     """Draw |H| over V [MN] of load cases, and above each the largest known load in its direction at its V.
 
-    Parameters
-    ----------
     table : Answers to load cases in SI (`pysprings design`), a row a case.
     springs : Those that answered: their vertical loads are grey lines in bands of 10 %, the largest that they carry
         blue. None: they were several, whose lines differ.

@@ -27,8 +27,6 @@ Section = Literal[
 class ReportData:
     """Data of a run for the tables of its report.
 
-    Attributes
-    ----------
     result, springs : Full model; spring set, None where too little converged.
     comparison : Errors of the macro-model by path and spring set; None without springs.
     run : Record of the run; None without one.

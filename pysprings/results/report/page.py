@@ -204,8 +204,6 @@ def render(
 ) -> str:
     """Return the report as HTML text.
 
-    Parameters
-    ----------
     result : Full model.
     springs : Spring set; the equilibrium check is made on it, else on the result.
     compare : Table of `pysprings.macro.comparison.compare`, one row per path and spring set.

@@ -23,8 +23,6 @@ Soil = Any
 class SoilLaw(ABC):
     """A soil law of the scene; the engine is imported where it is asked for, since checks of a scene do without.
 
-    Attributes
-    ----------
     name : its word in `law` and `soil.yield_surface`.
     keys : its own keys of [soil] and of layers, with unit and range; laws that share a key share its field.
     unused : keys that it accepts without using them.

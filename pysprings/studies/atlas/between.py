@@ -32,8 +32,6 @@ _NOISE = (1e-6, 0.1)
 class Process:
     """A Gaussian process of values (n,) at points (n, d), all between 0 and 1.
 
-    Attributes
-    ----------
     points, values : what is known.
     mean, size : of the values; the process is that of (values - mean)/size.
     variance, lengths, noise : of the kernel.
@@ -149,8 +147,6 @@ def between(rows: Array, modes: Array, action: Array, angles: Array, rho: Array)
     The last two modes are the corrections of H (at the lid, row `action` (1, 0)) and M of the new rays: their size is
     what is not known of them.
 
-    Parameters
-    ----------
     action : (row, 2) share of a row in (H, M/L).
     rho : (knot,) 0 first.
     """

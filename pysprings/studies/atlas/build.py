@@ -182,8 +182,6 @@ _TOTALS = 3.0  # weight of H and M beside a row of their parts
 class LeftOut:
     """Loads along the rays of cases left out one by one.
 
-    Attributes
-    ----------
     error : (n, 2, ray, X): of H and of M/L over the size of the load |(H, M/L)|; NaN beyond what a case reached.
     deviation : predicted standard deviation of the same.
     stiffness : (n, 3): relative errors of K_V, K_H, K_M.

@@ -33,8 +33,6 @@ STIFFNESS_FLOOR = 1e-3  # standard deviation over the stiffness at the least: nu
 class Estimate:
     """What is expected of a scene: values (ray, row, X), modes (m, ray, row, X) of one standard deviation each.
 
-    Attributes
-    ----------
     stiffness : (3, 3) initial stiffness.
     stiffness_error : standard deviations of the logarithms of K_V, K_H, K_M.
     settled : w at rest [m].
@@ -55,8 +53,6 @@ class Atlas:
 
     Gaussian processes over the principal components of the springs.
 
-    Attributes
-    ----------
     family : what decides.
     text : the base scene.
     inputs : (n, d) of the full models.

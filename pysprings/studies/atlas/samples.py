@@ -33,8 +33,6 @@ FEWEST = 10  # cases that reach the end of X at the least
 class Samples:
     """The full models of a study.
 
-    Attributes
-    ----------
     scene : text of the base scene.
     inputs : (n, d) inputs of the family.
     rays, angles : names and directions [rad] of the rays.

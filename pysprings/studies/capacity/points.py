@@ -38,8 +38,6 @@ from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, r
 class Capacity:
     """What a study has shown.
 
-    Attributes
-    ----------
     scene, request : what was asked for.
     table : a row a direction, vertical load and strength (SI).
     cases : utilisation of the load cases; None without cases.
@@ -73,8 +71,6 @@ class Criterion(StrEnum):
 class Point:
     """The largest load of a probe of the full model and its state (SI).
 
-    Attributes
-    ----------
     direction : of the load (`plan.Request.all_directions`).
     size : of the load [N] in the direction, R.
     H, V, M, T, u, w, rotation, twist : at the largest load, in the plane of H.

@@ -57,8 +57,6 @@ _DRIVEN = {"lateral_displacement": "u", "rotation": "rotation", "vertical_displa
 class Measured:
     """One case on the common grid.
 
-    Attributes
-    ----------
     stiffness : initial stiffness (3, 3) for (u, w, rotation).
     along : (path, share) of STATES and ENDS, by name; NaN where the path ended before.
     by_depth : (path, depth, share) of BY_DEPTH, by name.

@@ -38,8 +38,6 @@ Value = str | float | int | bool
 class Axis:
     """A value of the scene that a study varies.
 
-    Attributes
-    ----------
     name : column of cases.csv, dimension of study.nc.
     keys : keys of the scene that take the value.
     values : the values of a list or range, as TOML has them; none for a sampled axis.
@@ -83,8 +81,6 @@ class Case:
 class Plan:
     """What a study runs.
 
-    Attributes
-    ----------
     file, title : of the study.
     scene : text of the base scene.
     axes, cases : what varies, and the rows.

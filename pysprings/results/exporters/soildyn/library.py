@@ -38,8 +38,6 @@ def matrix_input(head: Sequence[str], stiffness: Array, place: Place) -> str:
 def library_input(head: Sequence[str], library: str, springs: str, places: Sequence[Place]) -> str:
     """Return an input file with points on the springs of a library.
 
-    Parameters
-    ----------
     library : Shared library, relative to the working folder of OpenFAST.
     springs : Spring file, relative to the input file; at most 45 letters with the folder of the input file.
     places : Points (x, y, z) [m].
@@ -79,8 +77,6 @@ def spring_text(
 ) -> str:
     """Return the spring file of a model.
 
-    Parameters
-    ----------
     head : Lines of the header.
     model : Macro-model on a fan, of springs with a vertical stiffness.
     torsion : Stiffness about the vertical axis [N m/rad], beside that of elements of torsion.
@@ -213,8 +209,6 @@ def compiler(given: str | None = None) -> list[str]:
 def build_command(words: list[str], output: Path, platform: str = sys.platform) -> list[str]:
     """Return the command that compiles and links the library into a file.
 
-    Parameters
-    ----------
     words : Compiler with options of the user's own; `cl` is that of Visual Studio, all others take options as gcc.
     """
     if Path(words[0]).stem.lower() == "cl":

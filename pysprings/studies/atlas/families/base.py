@@ -34,8 +34,6 @@ class Sizes:
 class Scaled:
     """A value of a scene that an atlas has in proportion to a size of the scene.
 
-    Attributes
-    ----------
     section, key : of the scene.
     unit : of the value in a scene file, and its SI value.
     words : the size, for messages.
@@ -57,8 +55,6 @@ class Scaled:
 class Family:
     """A family of caissons and ground: one module beside this one, and one entry in `FAMILIES`.
 
-    Attributes
-    ----------
     name : word of atlas files.
     labels : names of the inputs, for tables.
     read : scene -> inputs (d,).
