@@ -117,27 +117,32 @@ class Collector:
     in N/m3, water depth in m); None leaves suction unchecked.
     """
 
+    built: Built
+    system: System
+
     def __init__(
-        self, built: Built, system: System, fields: bool, section: bool,
+        self, built: Any, system: Any, fields: bool, section: bool,
         balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
         holds_water: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     ) -> None:  # fmt: skip
         self.balance, self.sea = balance, sea
         self.cavitation: Margin | None = None
-        nodes, film = built.model.mesh.nodes, built.film_mesh_node
-        n_wet, n = built.caisson.mesh.n_nodes, len(nodes)
-        self.wet = np.r_[:n_wet, n : n + len(film)]  # steel holds no water
-        self.water_position = np.concatenate([nodes[:n_wet], nodes[film]])
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
-        self.volume = Volume(built, system) if volume else None
-        self.position = built.model.stations.position  # type: ignore[union-attr]
-        self.surface = built.model.stations.surface  # type: ignore[union-attr]
+        self.position, self.surface = built.model.stations.position, built.model.stations.surface
         self.rings = {side: self._ring_stations(side) for side in SIDES}
-        self.slices = slices_of_rings(built.caisson.depth, built.caisson.boundary)
+        self._take_mesh(volume)
         self.slices_of_water = self.slices.of_water(holds_water(self.slices.bounds.mean(axis=1)))
-        self.azimuth = built.caisson.azimuth
         self.rows: list[dict[str, Any]] = []
+
+    def _take_mesh(self, volume: bool) -> None:
+        """Take slices, azimuths, places of the water, and the volume where it is asked for, from the mesh."""
+        caisson, nodes, film = self.built.caisson, self.built.model.mesh.nodes, self.built.film_mesh_node
+        n_wet, n = caisson.mesh.n_nodes, len(nodes)
+        self.wet = np.r_[:n_wet, n : n + len(film)]  # steel holds no water
+        self.water_position = np.concatenate([nodes[:n_wet], nodes[film]])
+        self.slices, self.azimuth = slices_of_rings(caisson.depth, caisson.boundary), caisson.azimuth
+        self.volume = Volume(self.built, self.system) if volume else None
 
     def _ring_stations(self, side: str) -> np.ndarray:
         """Return the station number of each wall node, (na, nz)."""

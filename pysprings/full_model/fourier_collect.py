@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from fe_engine.assembly.fourier_system import FourierSystem
-from fe_engine.balance.water import WaterBalance
 from fe_engine.elements import fourier as elements
 from fe_engine.state import Fields
 from pysprings.core import variables
@@ -30,25 +29,14 @@ class FourierCollector(Collector):
     built: BuiltFourier  # type: ignore[assignment]
     system: FourierSystem  # type: ignore[assignment]
 
-    def __init__(
-        self, built: BuiltFourier, system: FourierSystem, fields: bool, section: bool,
-        balance: WaterBalance | None = None, sea: tuple[float, float] | None = None, volume: bool = False,
-        holds_water: Callable[[np.ndarray], np.ndarray] = np.ones_like,
-    ) -> None:  # fmt: skip
-        self.balance, self.sea, self.cavitation = balance, sea, None
-        self.built, self.system = built, system
-        self.keep_fields, self.keep_section = fields, section
-        self.volume = FourierVolume(built, system) if volume else None  # type: ignore[assignment]
-        self.position, self.surface = built.model.stations.position, built.model.stations.surface
-        self.rings = {side: self._ring_stations(side) for side in SIDES}
-        self.slices = slices_of_elements(built.section.depth)
-        self.slices_of_water = self.slices.of_water(holds_water(self.slices.depth))
-        self.azimuth = output_azimuths(built.model.harmonics)
+    def _take_mesh(self, volume: bool) -> None:
+        built = self.built
+        self.slices, self.azimuth = slices_of_elements(built.section.depth), output_azimuths(built.model.harmonics)
         self._around = around(built.azimuth, self.azimuth)
         self._plane = _Plane(built)
         self._wave = elements.waves(self.azimuth, built.model.harmonics)[..., 0]
-        self.water_position = np.zeros((0, 3)) if balance is None else self._water_places()
-        self.rows = []
+        self.water_position = np.zeros((0, 3)) if self.balance is None else self._water_places()
+        self.volume = FourierVolume(built, self.system) if volume else None  # type: ignore[assignment]
 
     def _ring_stations(self, side: str) -> np.ndarray:
         """Return the station number of each node of a wall, (na, nz)."""

@@ -428,19 +428,12 @@ def _keep(work: Work, path: Path, run: Gathered) -> None:
         }  # fmt: skip
         if not path.in_space:
             dataset.attrs |= end_attrs(run.ending.reason, run.ending.why, dataset)
-        if path.direction is not None:
-            dataset.attrs["direction_rad"] = path.direction
-        if path.rate is not None:
-            dataset.attrs["rate_m_per_s"] = path.rate
-        if path.arm_from is not None:
-            dataset.attrs["arm_from_m"] = path.arm_from
-        if run.given_up and (viscous := viscous_displacement(work.scene, path)) is not None:
-            dataset.attrs["viscous_displacement_m"] = viscous
-        dataset.attrs |= _parts(path)
-        if path.load_angle is not None:
-            dataset.attrs["load_angle_rad"] = path.load_angle
-        if path.torsion_angle is not None:
-            dataset.attrs["torsion_angle_rad"] = path.torsion_angle
+        optional = {
+            "direction_rad": path.direction, "rate_m_per_s": path.rate, "arm_from_m": path.arm_from,
+            "viscous_displacement_m": viscous_displacement(work.scene, path) if run.given_up else None,
+            **_parts(path), "load_angle_rad": path.load_angle, "torsion_angle_rad": path.torsion_angle,
+        }  # fmt: skip
+        dataset.attrs |= {key: value for key, value in optional.items() if value is not None}
         work.paths[group] = dataset
         work.paths[f"{group}/convergence"] = convergence_dataset(run.record)
         figures = summarise(run.record, [cut_back(*attempt) for attempt in run.given_up], dataset, run.limits)

