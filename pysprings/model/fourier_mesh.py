@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
-from pysprings.model.mesh import Geometry, PlaneCounts, counted, depths, graded, outside, skirt_cells, tip_radii
+from pysprings.model.mesh import Geometry, PlaneCounts, depths, graded, outside, skirt_cells, tip_radii
 from pysprings.model.steel import PATCH
 
 if TYPE_CHECKING:
@@ -104,11 +104,6 @@ def make_section(geometry: Geometry, counts: SectionCounts, patch: bool = False)
 def ground_of_sections(scene: Scene) -> str:
     """Return which sections a scene has: those of clay where all of its ground is under total stress."""
     return COHESIVE if scene.ground.total_stress else FRICTIONAL
-
-
-def counted_section(geometry: Geometry, counts: SectionCounts) -> SectionCounts:
-    """Return the counts of the elements that the section has."""
-    return counted(geometry, counts)
 
 
 def refine_section(counts: SectionCounts, factor: float) -> SectionCounts:

@@ -33,7 +33,7 @@ from pysprings.model.forecast.run_time import (
     uses_superlu,
 )
 from pysprings.model.fourier import azimuths_of, fixed_directions, section_counts_of, section_of
-from pysprings.model.fourier_mesh import CaissonSection, counted_section
+from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import make_steel_rings, patch, with_rings
 from pysprings.model.water import drained_corners, film_corners, fixed_film
@@ -110,7 +110,7 @@ def _series_size(scene: Scene) -> Size:
     counts = section_counts_of(scene)
     try:
         section, waves = section_of(scene, counts), counts.harmonics + 1
-        counts = counted_section(geometry_of(scene), counts)
+        counts = counted(geometry_of(scene), counts)
     except MeshError as error:
         raise refused("mesh", str(error)) from error
     mesh, steel_corners, steel_elements = section.mesh, 0, 0
@@ -157,7 +157,7 @@ def model_bytes(scene: Scene, symmetric: bool = False) -> float:
 
 def _series_bytes(scene: Scene, size: Size, whole: bool) -> float:
     """Return the estimated memory of a Fourier model in bytes; the whole circle shares the factors of its families."""
-    counts = counted_section(geometry_of(scene), section_counts_of(scene))
+    counts = counted(geometry_of(scene), section_counts_of(scene))
     waves, (m, _) = counts.harmonics + 1, azimuths_of(counts.harmonics, whole)
     slots, lanes = len(numbers(counts.harmonics, whole)), LANES * math.ceil(waves / LANES)
     interface = 3 * slots * 2 * (2 * counts.skirt + counts.plug + counts.tip) + size.film_pressures * slots / waves

@@ -168,10 +168,3 @@ def used_tables(scene_toml: str, numerical: bool) -> list[Table]:
         rows = [row for row in table.rows if row[0] not in unused]
         tables += [replace(table, rows=rows)] if rows else []
     return tables
-
-
-INPUTS = ReportTable("inputs", "inputs", lambda data: used_tables(str(data.result.attrs.get("scene_toml", "")), False))
-SETTINGS = ReportTable("settings", "mesh", lambda data: used_tables(str(data.result.attrs.get("scene_toml", "")), True))
-DEFAULTS = ReportTable("defaults", "inputs", lambda data: [defaults_table(data.run)])
-OMISSIONS = ReportTable("omissions", "limits", lambda data: [omission_table(data.run.left_out if data.run else [])])
-MESH = ReportTable("mesh", "mesh", lambda data: [mesh_table(data.result.attrs, data.run.mesh if data.run else None)])

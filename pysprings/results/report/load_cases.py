@@ -12,7 +12,6 @@ from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import beam_order
 from pysprings.core.text import number
 from pysprings.results.layout import LOAD_CASES
-from pysprings.results.report.inputs import ReportTable
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.sums import by_depth, net_m
 from pysprings.springs.tip_zone import on_slices
@@ -105,10 +104,6 @@ def stiffness_table(result: xr.DataTree) -> Table | None:
     heads = ("", "per u [m]", "per w [m]", "per rotation [rad]")
     note = "At the lid centre. `pysprings predict OUT --H 1kN --stiffness` gives 6 x 6, and other reference points."
     return Table("Initial stiffness of the full model", heads, rows, note)
-
-
-STIFFNESS = ReportTable("stiffness", "springs", lambda data: [stiffness_table(data.result)])
-SPRINGS = ReportTable("springs", "springs", lambda data: spring_tables(data.springs, data.comparison))
 
 
 OK = "ok"  # verdict of a case with an answer that the springs support, within its tolerance
@@ -209,6 +204,3 @@ def read_answers(folder: Path) -> pd.DataFrame | None:
     texts = [str(column.source) for column in COLUMNS if column.words]
     frame = pd.read_csv(file, dtype=dict.fromkeys(texts, str), keep_default_na=False, na_values=[""])
     return frame.fillna(dict.fromkeys(texts, ""))
-
-
-CASES = ReportTable("load_cases", "cases", lambda data: [] if data.cases is None else [table_of(data.cases)])

@@ -317,26 +317,38 @@ def picture_uri(content: bytes, suffix: str) -> str:
 REPORT_TABLES: Registry[ReportTable] = Registry(
     "report table",
     (
-        load_cases.CASES,
-        load_cases.STIFFNESS,
-        load_cases.SPRINGS,
-        validity.END,
-        validity.TILT,
-        validity.COMPARISON,
-        inputs.INPUTS,
-        inputs.DEFAULTS,
-        inputs.OMISSIONS,
-        inputs.SETTINGS,
-        inputs.MESH,
-        validity.CONVERGENCE,
-        validity.CUT_BACKS,
-        validity.EQUILIBRIUM,
-        validity.RINGS,
-        validity.WATER,
-        validity.ENERGY,
-        validity.ESTIMATE,
-        validity.GAPS,
-        validity.COST,
+        ReportTable(
+            "load_cases", "cases", lambda data: [] if data.cases is None else [load_cases.table_of(data.cases)]
+        ),
+        ReportTable("stiffness", "springs", lambda data: [load_cases.stiffness_table(data.result)]),
+        ReportTable("springs", "springs", lambda data: load_cases.spring_tables(data.springs, data.comparison)),
+        ReportTable("end", "capacity", lambda data: [validity.end_table(data.paths)]),
+        ReportTable("tilt", "tilt", lambda data: [validity.tilt_table(data.paths)]),
+        ReportTable("comparison", "comparison", lambda data: [validity.compare_table(data.comparison)]),
+        ReportTable(
+            "inputs", "inputs", lambda data: inputs.used_tables(str(data.result.attrs.get("scene_toml", "")), False)
+        ),
+        ReportTable("defaults", "inputs", lambda data: [inputs.defaults_table(data.run)]),
+        ReportTable("omissions", "limits", lambda data: [inputs.omission_table(data.run.left_out if data.run else [])]),
+        ReportTable(
+            "settings", "mesh", lambda data: inputs.used_tables(str(data.result.attrs.get("scene_toml", "")), True)
+        ),
+        ReportTable(
+            "mesh", "mesh", lambda data: [inputs.mesh_table(data.result.attrs, data.run.mesh if data.run else None)]
+        ),
+        ReportTable("convergence", "checks", lambda data: [validity.convergence_table(data.figures)]),
+        ReportTable("cut-backs", "checks", lambda data: [validity.cut_back_table(data.figures)]),
+        ReportTable(
+            "equilibrium",
+            "checks",
+            lambda data: [validity.equilibrium_table(data.result if data.springs is None else data.springs)],
+        ),
+        ReportTable("rings", "checks", lambda data: [validity.ring_table(data.figures)]),
+        ReportTable("water", "checks", lambda data: [validity.water_table(data.figures)]),
+        ReportTable("energy", "checks", lambda data: [validity.energy_table(data.figures)]),
+        ReportTable("estimate", "checks", lambda data: [validity.estimate_table(data.run)]),
+        ReportTable("gaps", "checks", lambda data: [validity.opening_table(data.paths)]),
+        ReportTable("cost", "cost", lambda data: validity.cost_tables(data.run)),
     ),
 )
 

@@ -17,7 +17,6 @@ from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS, SPACE_NOTE
 from pysprings.results.parts import openings
-from pysprings.results.report.inputs import ReportTable
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import end_of
 from pysprings.springs.sums import balance
@@ -85,11 +84,6 @@ _ENERGY = (
     *(Column(f"{term} [kJ]", f"{term}_J", factor=1e-3) for term in _TERMS),
     Column("imbalance / largest", "imbalance_over_largest_term", ".1e"),
 )
-EQUILIBRIUM = ReportTable(
-    "equilibrium", "checks", lambda data: [equilibrium_table(data.result if data.springs is None else data.springs)]
-)
-WATER = ReportTable("water", "checks", lambda data: [water_table(data.figures)])
-ENERGY = ReportTable("energy", "checks", lambda data: [energy_table(data.figures)])
 
 
 def cost_tables(run: RunRecord | None) -> list[Table]:
@@ -123,9 +117,6 @@ def phase_table(run: RunRecord) -> Table:
     rows: list[dict[str, Any]] = [{"phase": name, **spent} for name, spent in run.phases.items()]
     rows.append({"phase": "total", "wall_s": run.wall_s or None, "cpu_s": run.cpu_s or None})  # 0: not recorded
     return Table.of(filled(_PHASES, rows), rows, "Cost by phase")
-
-
-COST = ReportTable("cost", "cost", lambda data: cost_tables(data.run))
 
 
 def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
@@ -235,10 +226,6 @@ def estimate_table(run: RunRecord | None) -> Table | None:
         shares = ", ".join(f"{words[name]} {number(value, 2)} %" for name, value in estimate["harmonics_pct"].items())
         note += f" The difference of {series[0]} and {series[1]} harmonics there is added: {shares}."
     return Table("Discretisation error", ("", "difference [%]", "order", "estimate [%]"), rows, note)
-
-
-COMPARISON = ReportTable("comparison", "comparison", lambda data: [compare_table(data.comparison)])
-ESTIMATE = ReportTable("estimate", "checks", lambda data: [estimate_table(data.run)])
 
 
 _CONVERGENCE = (
@@ -384,11 +371,3 @@ def opening_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
 
 def _opening(opening: Any) -> str:
     return f"{opening.width * 1e3:.3g} mm at {opening.place}"
-
-
-CONVERGENCE = ReportTable("convergence", "checks", lambda data: [convergence_table(data.figures)])
-CUT_BACKS = ReportTable("cut-backs", "checks", lambda data: [cut_back_table(data.figures)])
-RINGS = ReportTable("rings", "checks", lambda data: [ring_table(data.figures)])
-END = ReportTable("end", "capacity", lambda data: [end_table(data.paths)])
-TILT = ReportTable("tilt", "tilt", lambda data: [tilt_table(data.paths)])
-GAPS = ReportTable("gaps", "checks", lambda data: [opening_table(data.paths)])
