@@ -14,7 +14,7 @@ import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
 from pysprings.model.mesh import Geometry, PlaneCounts, depths, graded, outside, skirt_cells, tip_radii
-from pysprings.model.steel import PATCH
+from pysprings.model.steel import AROUND, PATCH
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -80,9 +80,8 @@ def make_section(geometry: Geometry, counts: SectionCounts, patch: bool = False)
     slot = (2 * i >= inner) & (2 * i < outer) & (2 * j < toe)
     # nodes on a grid of half elements
     a, b = 2 * i[~slot], 2 * j[~slot]
-    at = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
     width = 2 * len(z) - 1
-    grid = np.stack([(a + p) * width + b + q for p, q in at], axis=1)
+    grid = np.stack([(a + p) * width + b + q for p, q in AROUND], axis=1)
     points = np.stack(np.meshgrid(_halved(r), _halved(z), indexing="ij"), axis=-1).reshape(-1, 2)
     used = np.unique(grid)
     number = np.full(len(points), -1)

@@ -214,8 +214,8 @@ def make_mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
     offset = n_plan * np.arange(n_skirt + 1)
     outer, inner = (plan.rings[name][:, None] + offset for name in ("outer", "inner"))
     faces = {
-        "outer": _wall_faces(outer),
-        "inner": _wall_faces(inner)[:, [1, 0, 3, 2]],
+        "outer": wall_faces(outer),
+        "inner": wall_faces(inner)[:, [1, 0, 3, 2]],
         "lid": plan.quads[plan.ring < inside],
         "tip": plan.quads[slot] + n_skirt * n_plan,
     }
@@ -332,7 +332,7 @@ def core_square(n: int, half_width: float) -> tuple[np.ndarray, np.ndarray, np.n
     return points.reshape(-1, 2), quads, rim
 
 
-def _wall_faces(wall: np.ndarray) -> np.ndarray:
+def wall_faces(wall: np.ndarray) -> np.ndarray:
     """Return the faces (k, 4) of a wall of nodes (na, nz) with the normal away from the axis."""
     corners = [wall[:-1, :-1], wall[1:, :-1], wall[1:, 1:], wall[:-1, 1:]]
     return np.stack([c.ravel() for c in corners], axis=1)

@@ -25,7 +25,7 @@ from fe_engine.elements import fourier as elements
 from fe_engine.elements.interface import Stations
 from fe_engine.fourier_model import FourierModel, LinearRings, SectionMesh
 from fe_engine.soil.elastic import elastic_matrix
-from pysprings.model.mesh import CaissonMesh
+from pysprings.model.mesh import CaissonMesh, wall_faces
 
 if TYPE_CHECKING:
     from pysprings.model.fourier_mesh import CaissonSection
@@ -72,25 +72,17 @@ def make_steel(caisson: CaissonMesh, lid_thickness: float) -> SteelMesh:
     rim = np.stack([inner[:-1, 0], outer[:-1, 0], outer[1:, 0], inner[1:, 0]], axis=1)
     plates = np.concatenate([lid, rim])
     walls = {side: number[wall] for side, wall in caisson.walls.items()}
+    skirt = np.hstack([wall_faces(walls["inside"]), wall_faces(walls["outside"])])  # around, down, outwards
     nodes = np.concatenate([soil.nodes[copied], soil.nodes[under] - [0.0, 0.0, lid_thickness]])
     own, radius = first + np.arange(len(nodes)), np.hypot(nodes[:, 0], nodes[:, 1])
     return SteelMesh(
         nodes=nodes,
-        hexes=np.concatenate([np.hstack([top[plates], number[plates]]), _skirt(walls)]),
+        hexes=np.concatenate([np.hstack([top[plates], number[plates]]), skirt]),
         held=own[patch(radius, float(radius[nodes[:, 2] > 0.0].min()))],
         symmetry=own[np.abs(nodes[:, 1]) < 1e-12],
         walls=walls,
         partner=_partners(caisson, number, copied),
     )
-
-
-def _skirt(walls: dict[str, np.ndarray]) -> np.ndarray:
-    """Return the elements (k, 8) between the walls: around, down, outwards."""
-
-    def face(wall: np.ndarray) -> np.ndarray:
-        return np.stack([c.ravel() for c in (wall[:-1, :-1], wall[1:, :-1], wall[1:, 1:], wall[:-1, 1:])], axis=1)
-
-    return np.hstack([face(walls["inside"]), face(walls["outside"])])
 
 
 def patch(radius: np.ndarray, inside: float) -> np.ndarray:
@@ -131,7 +123,7 @@ def with_steel(stations: Stations, steel: SteelMesh) -> tuple[np.ndarray, np.nda
 
 # --- steel of a section ---
 
-_AROUND = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]  # nodes of an element on a grid of halves
+AROUND = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]  # nodes of an element on a grid of halves
 
 
 @dataclass(frozen=True)
@@ -165,7 +157,7 @@ def make_steel_rings(section: CaissonSection, lid_thickness: float) -> SteelRing
     i, j = np.meshgrid(np.arange(0, len(radius) - 1, 2), np.arange(0, len(depth) - 1, 2), indexing="ij")
     steel = (j == 0) | (i >= inner)
     a, b = i[steel], j[steel]
-    grid = np.stack([(a + p) * len(depth) + b + q for p, q in _AROUND], axis=1)
+    grid = np.stack([(a + p) * len(depth) + b + q for p, q in AROUND], axis=1)
     used, quads = np.unique(grid, return_inverse=True)
     number = np.full(len(radius) * len(depth), -1)
     number[used] = first + np.arange(len(used))
