@@ -142,7 +142,7 @@ class Collector:
         self.wet = np.r_[:n_wet, n : n + len(film)]  # steel holds no water
         self.water_position = np.concatenate([nodes[:n_wet], nodes[film]])
         self.slices, self.azimuth = slices_of_rings(caisson.depth, caisson.boundary), caisson.azimuth
-        self.volume = Volume(self.built, self.system) if volume else None
+        self.volume: Volume | None = Volume(self.built, self.system) if volume else None
 
     def _ring_stations(self, side: str) -> np.ndarray:
         """Return the station number of each wall node, (na, nz)."""

@@ -36,7 +36,7 @@ class FourierCollector(Collector):
         self._plane = _Plane(built)
         self._wave = elements.waves(self.azimuth, built.model.harmonics)[..., 0]
         self.water_position = np.zeros((0, 3)) if self.balance is None else self._water_places()
-        self.volume = FourierVolume(built, self.system) if volume else None  # type: ignore[assignment]
+        self.volume = FourierVolume(built, self.system) if volume else None
 
     def _ring_stations(self, side: str) -> np.ndarray:
         """Return the station number of each node of a wall, (na, nz)."""

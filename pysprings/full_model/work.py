@@ -38,7 +38,7 @@ from pysprings.full_model.checkpoint import Checkpoints, Cost, Loaded, Saved, sc
 from pysprings.full_model.collect import Collector, section_dataset
 from pysprings.full_model.fourier_collect import FourierCollector, SpaceCollector, fourier_section_dataset
 from pysprings.full_model.run_record import PathFigures
-from pysprings.full_model.volume import fourier_volume_dataset, volume_dataset
+from pysprings.full_model.volume import FourierVolume, Volume
 from pysprings.model.build import Built
 from pysprings.model.contact import penalty_of
 from pysprings.model.forecast.domain_effect import domain_effect
@@ -360,4 +360,4 @@ def section_of(built: Built | BuiltFourier) -> xr.Dataset:
 
 def volume_of(built: Built | BuiltFourier) -> xr.Dataset:
     """Return nodes and cells of the whole half model."""
-    return fourier_volume_dataset(built) if isinstance(built, BuiltFourier) else volume_dataset(built)
+    return (FourierVolume if isinstance(built, BuiltFourier) else Volume)(built).dataset()

@@ -19,7 +19,7 @@ from fe_engine.soil.plasol import KAPPA
 from fe_engine.state import Fields, State
 from pysprings.core import variables
 from pysprings.full_model.collect import Collector, section_dataset
-from pysprings.full_model.volume import volume_dataset
+from pysprings.full_model.volume import Volume
 from pysprings.model.build import Built, build_model
 from pysprings.model.contact import SURFACE
 from pysprings.springs.checks import RESULT
@@ -124,7 +124,7 @@ def result() -> xr.DataTree:
         "drainage": "undrained", "outer_diameter_m": 2.0 * RADIUS, "skirt_length_m": LENGTH,
         "skirt_thickness_m": THICKNESS, "vertical_load_N": 1.0e6, "caisson_behaviour": "rigid",
     }  # fmt: skip
-    fixed = {"/": root, "/section": section_dataset(made), "/volume": volume_dataset(made)}
+    fixed = {"/": root, "/section": section_dataset(made), "/volume": Volume(made).dataset()}
     return xr.DataTree.from_dict(fixed | groups)
 
 
