@@ -92,7 +92,7 @@ def _dots(axes: Axes, proposal: Proposal, unit: Unit, key: str, value: Value) ->
     rows = proposal.rows.part(own)
     if "relative_density" in unit.values:
         rows = rows.with_density(float(unit.values["relative_density"].lines[1].mean()))
-    for each in SAND if unit.kind == "sand" else clay():
+    for each in SAND if unit.kind == "sand" else clay(proposal.cone_factors):
         if each.gives == key and each.name in value.sources:
             axes.plot(each.of(rows) * VALUES[key].factor, proposal.depth[own], ".", color=GREY, alpha=0.6,
                       markersize=3, label="correlations, row by row")  # fmt: skip

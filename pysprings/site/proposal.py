@@ -104,7 +104,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Proposal:
-    """Layers from mudline down, the test and its rows, points beside them, and what was assumed."""
+    """Layers from mudline down, the test and its rows, points beside them, what was assumed, N_kt of su."""
 
     units: list[Unit]
     sounding: Sounding | None
@@ -112,6 +112,7 @@ class Proposal:
     depth: Array
     points: Points | None
     notes: list[str]
+    cone_factors: tuple[float, float, float] = CONE_FACTORS
 
 
 @dataclass(frozen=True)
@@ -150,7 +151,8 @@ def propose(site: Site, options: Options) -> Proposal:
         places = [each.place for each in (*site.beds, site.points) if each]
         message = "gives neither strength nor stiffness nor relative density: add columns su, phi, Dr, Gmax or E"
         raise refused(None, message, places[0])
-    return Proposal(units, chosen, rows, depth, site.points, [*notes, *_cone_factor(rows, depth, units, site)])
+    notes = [*notes, *_cone_factor(rows, depth, units, site)]
+    return Proposal(units, chosen, rows, depth, site.points, notes, options.cone_factors)
 
 
 def _below(points: Points | None, units: Sequence[Unit]) -> list[str]:

@@ -144,6 +144,14 @@ def test_six_components(tmp_path: Path) -> None:
     np.testing.assert_allclose(cases.across, [0.0, 0.0, 2e5, 0.0], atol=1e-6)  # right-handed about y
 
 
+def test_a_table_with_z_down_has_a_remark_in_every_row(tmp_path: Path) -> None:
+    """Its weights are pulls here; a pull beside pushes, as of a leg, is none."""
+    head = "load case,Fx [kN],Fy [kN],Fz [kN],Mx [kNm],My [kNm],Mz [kNm]"
+    down = table(tmp_path, head, "a,10,0,9500,0,400,0", "b,10,0,4500,0,400,0")
+    assert all(text == "V is a pull, as in all rows: Fz counts upwards" for text in down.notes)
+    assert not any(table(tmp_path, head, "a,10,0,9500,0,400,0", "b,10,0,-4500,0,400,0").notes)
+
+
 @pytest.mark.parametrize(
     ("lines", "found"),
     [

@@ -188,6 +188,12 @@ def test_cone_factors_of_a_person(cpt) -> None:
     assert ratio == pytest.approx(14.0 / 12.5, rel=1e-3)
 
 
+def test_the_picture_has_the_rows_of_the_cone_factors_of_a_person(cpt) -> None:
+    proposed = propose(read_site([cpt]), Options(cone_factors=(12.0, 15.0, 20.0)))
+    (panel,) = (axes for axes in profile(proposed, "").axes if axes.get_xlabel().startswith("su"))
+    assert sum(line.get_linestyle() == "None" for line in panel.lines) == 3
+
+
 def test_measured_strengths_take_the_place_of_the_cone_factor(cpt, weighed, tmp_path) -> None:
     lab = tmp_path / "lab.csv"
     lab.write_text("Depth [m],su [kPa]\n6,26\n8,30\n10,37\n12,40\n14,46\n16,51\n")
