@@ -8,6 +8,7 @@ have beyond the elastic tangent, which is applied point by point (see solve.four
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -78,8 +79,9 @@ class FourierSystem:
         soil = model, self.pattern.of_soil(model.n_soil), self._stiffness(gradient, volume)
         modulus = float((self.soil.moduli @ (1.0, 4.0 / 3.0)).min())  # K + 4 G/3
         self._at_rest = DrySoil(*soil) if self.water is None else WetSoil(*soil, self.water, modulus)
-        self._rest: tuple[tuple[float, bool], AtRest] | None = None
         self._kept: dict[tuple[float, bool], AtRest] = {}
+        self._taken: Counter[tuple[float, bool]] = Counter()
+        self._rest: tuple[tuple[float, bool], AtRest] | None = None  # that of the present step
         self.is_pressure = np.zeros(self.pattern.n_free, dtype=bool)
         self.is_pressure[self.pattern.n_moving :] = True
         shape, ns = model.initial_stress.shape[:2], len(model.stations)
@@ -104,19 +106,21 @@ class FourierSystem:
     def at_rest(self, time_step: float) -> AtRest:
         """Return the linear system with the soil at rest; with water that of a time step (s), to nine digits.
 
-        Paths take the same time steps: systems are kept as far as there is room for them.
+        Paths take the same time steps: systems are kept as far as there is room for them, those that most paths take.
         """
         wanted = (0.0, False) if self.water is None else (float(f"{time_step:.9g}"), self.sealed)
         if self._rest is None or self._rest[0] != wanted:
-            self._rest = wanted, self._kept.get(wanted) or self._made(*wanted)
+            self._taken[wanted] += 1
+            if wanted not in self._kept:
+                self._kept[wanted] = self._made(*wanted)
+            self._rest = wanted, self._kept[wanted]
         return self._rest[1]
 
     def _made(self, time_step: float, sealed: bool) -> AtRest:
         soil = self._at_rest.at_rest(time_step, sealed)
-        rest = soil if self.linear is None else BesideLinear(soil, self.linear, self.pattern)
-        if (len(self._kept) + 1) * soil.factors.n_bytes <= KEPT_BYTES:
-            self._kept[time_step, sealed] = rest
-        return rest
+        while self._kept and (len(self._kept) + 1) * soil.factors.n_bytes > KEPT_BYTES:
+            del self._kept[min(self._kept, key=self._taken.__getitem__)]
+        return soil if self.linear is None else BesideLinear(soil, self.linear, self.pattern)
 
     @property
     def relaxed(self) -> float:

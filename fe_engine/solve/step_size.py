@@ -46,6 +46,16 @@ class StepSize:
         """Whether it is too small to go on with."""
         return self.size < SMALLEST
 
+    def on_grid(self, duration: float, largest: float) -> StepSize:
+        """Return the size whose share of a duration (s) is the nearest power of GROWTH; that of a first step stays.
+
+        So does the largest one. Paths with water then share time steps, and what is factorised for each.
+        """
+        if self.limit == "first step" or self.size >= largest:
+            return self
+        power = round(math.log(self.size * duration, GROWTH))
+        return replace(self, size=min(GROWTH**power / duration, largest))
+
     def after_failure(self, step: float, again: bool) -> StepSize:
         """Return the size to try after an attempt at ``step`` has failed, ``again`` for the same increment."""
         hold = self.hold

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from fe_engine.assembly import fourier_system
 from fe_engine.assembly.fourier_system import FourierSystem
 from fe_engine.balance.energy import EnergyBalance
 from fe_engine.balance.water import WaterBalance, section_area_vectors
@@ -199,3 +200,14 @@ def test_systems_with_water_are_kept_by_time_step_and_made_from_nine_digits_of_i
     assert system.at_rest(0.3) is kept
     fresh = moved(wet(disc(2)))[0]
     np.testing.assert_array_equal(fresh.at_rest(0.3 * (1.0 + 1e-13)).forward(rhs.copy())[1], first)
+
+
+def test_the_systems_that_are_taken_most_often_stay_where_there_is_no_room_for_all(monkeypatch):
+    system = moved(wet(disc(2)))[0]
+    often, seldom = system.at_rest(0.3), system.at_rest(3.0)
+    monkeypatch.setattr(fourier_system, "KEPT_BYTES", 2.5 * often.factors.n_bytes)
+    system.at_rest(0.3)
+    last = system.at_rest(4.0)
+    assert system.at_rest(0.3) is often
+    assert system.at_rest(4.0) is last
+    assert system.at_rest(3.0) is not seldom

@@ -2,11 +2,13 @@
 """Size of the next increment: growth, cut-back, and the memory of sizes that failed."""
 
 import json
+import math
 from dataclasses import asdict
 
+import numpy as np
 import pytest
 
-from fe_engine.solve.step_size import StepSize
+from fe_engine.solve.step_size import GROWTH, StepSize
 
 
 def walk(size: StepSize, limit: float, number: int) -> tuple[int, int]:
@@ -77,3 +79,24 @@ def test_it_goes_through_a_checkpoint():
     size = StepSize(0.02).after_failure(0.02, again=False)
     assert StepSize(**json.loads(json.dumps(asdict(size)))) == size
     assert StepSize(**json.loads(json.dumps(asdict(StepSize(0.1))))) == StepSize(0.1)
+
+
+@pytest.mark.parametrize("first", [0.0003, 0.03])
+def test_shares_of_a_duration_are_few_and_near_those_asked_for(first):
+    size, taken, duration, largest = StepSize(first), [], 40.0, 0.05
+    assert size.on_grid(duration, largest) is size
+    size = size.after_success(first, 3, largest)
+    for number in range(60):
+        asked = size.size
+        size = size.on_grid(duration, largest)
+        assert size.size <= largest
+        assert math.sqrt(1.0 / GROWTH) <= size.size / asked <= math.sqrt(GROWTH)
+        taken.append(size.size)
+        fails = number in (20, 40)
+        size = (
+            size.after_failure(size.size, again=False) if fails else size.after_success(size.size, number % 8, largest)
+        )
+    powers = np.log(np.unique(taken)[:-1] * duration) / np.log(GROWTH)
+    assert max(taken) == largest
+    np.testing.assert_allclose(powers, powers.round(), atol=1e-9)
+    assert len(powers) == len(np.unique(powers.round()))  # the same numbers, not nearly

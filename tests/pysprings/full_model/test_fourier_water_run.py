@@ -11,6 +11,7 @@ import xarray as xr
 
 from fe_engine.assembly.fourier_pattern import make_pattern
 from fe_engine.clock import Clock
+from fe_engine.solve.step_size import GROWTH
 from fe_engine.state import State
 from pysprings.core import variables
 from pysprings.full_model.checkpoint import Checkpoints
@@ -211,6 +212,9 @@ def test_increments_of_a_millionth_of_a_millimetre_converge() -> None:
     assert float(tree["paths/pull"]["u"][1]) == pytest.approx(1e-9, rel=1e-6)
     assert (tree.attrs["status"], record["cut_backs"]) == ("complete", 0)
     assert load(tree) == pytest.approx(load(coupled()), rel=2e-3)
+    time = tree["paths/pull/time"].values  # whatever the first, the same steps as on other paths up to the end
+    powers = np.log(np.diff(time)[1:-3]) / np.log(GROWTH)
+    np.testing.assert_allclose(powers, powers[0].round() + np.arange(len(powers)), atol=1e-6)
 
 
 @pytest.mark.parametrize("side", ["sealed", "drained"])
