@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
+from copy import deepcopy
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path as FilePath
@@ -111,7 +112,7 @@ class PathRun:
 
     def _run_stages(self) -> None:
         if self.stage < self.n_dead:
-            self._run_stage(dead_load_stage(self.extra, MOTIONS if self.path.in_space else DOFS))
+            self._under_dead_load()
         if not self.collector.rows:
             self._collect()
         rest = float(self.collector.rows[0]["w"])
@@ -124,6 +125,15 @@ class PathRun:
             self.driver.refusal = self.reach.refusal
         while self.stage < self.n_stages:
             self._run_stage(stages[self.stage - self.n_dead])
+
+    def _under_dead_load(self) -> None:
+        """Apply the dead load, or take up what another path with the same load has left on this model."""
+        known, key = self.work.under_dead_load, (self.path.in_space, self.extra)
+        if self._position is None and key in known:
+            self._take_up(deepcopy(known[key]))
+        self._run_stage(dead_load_stage(self.extra, MOTIONS if self.path.in_space else DOFS))
+        if key not in known:
+            known[key] = replace(self._standing(), stage=0).saved(self.gathered())
 
     def _run_stage(self, stage: Stage) -> None:
         self.driver.run(stage, self._on_step, self._position)
@@ -250,9 +260,12 @@ class PathRun:
     # --- going on ---
 
     def restore(self, saved: Saved) -> None:
-        """Take up what a checkpoint holds: a path that has ended, or where one stood."""
+        """Take up what a checkpoint holds: a path that has ended, or where one stood; count what it has cost."""
+        self.work.add(Gathered.of(saved).cost)
+        self._take_up(saved)
+
+    def _take_up(self, saved: Saved) -> None:
         gathered, standing, driver = Gathered.of(saved), Standing.of(saved), self.driver
-        self.work.add(gathered.cost)
         self.collector.rows, self.collector.cavitation = gathered.rows, gathered.cavitation
         self.ending, self.limits = gathered.ending, gathered.limits
         driver.record, driver.given_up, driver.n_steps = gathered.record, gathered.given_up, gathered.n_steps

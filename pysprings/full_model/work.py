@@ -86,6 +86,8 @@ class Work:
     stiffness : (3, 3) of half the caisson at the initial state; torsion : of the whole one [N m/rad], NaN where it
         cannot be computed.
     state : of the path that ran last.
+    under_dead_load : where paths stand under it, by whether they leave the plane and by its load beyond what the stress
+        at rest carries (N).
     cpu_elsewhere : CPU seconds of earlier parts of the run, and of other processes; ``cpu_began`` those of this process
         before the run.
     """
@@ -106,6 +108,7 @@ class Work:
     stiffness: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
     torsion: float = float("nan")
     state: State | None = None
+    under_dead_load: dict[tuple[bool, float], Saved] = field(default_factory=dict)
     cpu_elsewhere: float = 0.0
     cpu_began: float = field(default_factory=time.process_time)
     _whole: Whole | None = None

@@ -18,6 +18,7 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
+from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.fourier_collect import around, output_azimuths
 from pysprings.full_model.work import make_engine
 from pysprings.model.contact import SURFACE
@@ -271,6 +272,20 @@ def test_a_stopped_run_goes_on_to_the_same_result(after, tmp_path):
 
 
 # --- what is refused ---
+
+
+def test_paths_with_one_dead_load_share_its_steps_and_are_as_if_alone():
+    """The second path has another load: it takes up nothing."""
+    other = {**SECOND, "name": "other", "role": "held-back", "vertical_load": 1.2e6}
+    given = loaded_scene().replace(paths=(tiny.PULL, other, SECOND, {**SECOND, "name": "third"}))
+    stages: list[tuple[str, str]] = []
+    together = compute(given, progress=lambda name, _, text: stages.append((name, text)))
+    assert {name for name, text in stages if text.endswith(DEAD_LOAD)} == {"pull", "other"}
+    for path in given.paths[1:]:
+        alone = compute(given.replace(paths=(path,)))
+        for group in (f"paths/{path.name}", f"paths/{path.name}/convergence"):
+            xr.testing.assert_identical(together.tree[group].to_dataset(), alone.tree[group].to_dataset())
+        assert alone.record.paths[path.name] == together.record.paths[path.name]
 
 
 def test_what_a_series_cannot_carry_is_refused():
