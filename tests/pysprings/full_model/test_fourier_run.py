@@ -18,8 +18,8 @@ from pysprings.core import variables
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
-from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.fourier_collect import around, output_azimuths
+from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.work import make_engine
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
