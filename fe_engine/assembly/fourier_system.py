@@ -54,6 +54,7 @@ class FourierSystem:
     Attributes
     ----------
     time_step : s, of the present increment; only water asks for it.
+    keeps_steps : whether a time step that comes again needs no new factors.
     sealed : whether linear systems leave fixed pressures of the soil free, as in a time in which nothing flows: the
         stiffness of the initial state would otherwise have a first layer that drains, however short the time.
     """
@@ -62,7 +63,7 @@ class FourierSystem:
         model.check()
         self.clock = clock or Clock()
         self.model = model
-        self.time_step, self.sealed = 0.0, False
+        self.time_step, self.sealed, self.keeps_steps = 0.0, False, model.water is not None
         gradient, volume = elements.geometry(model.mesh.nodes, model.mesh.quads)
         waves = elements.waves(elements.azimuths(model.azimuths, model.whole), model.harmonics, model.whole)
         weight = elements.span(model.whole) / model.azimuths

@@ -40,6 +40,7 @@ class System:
         )  # fmt: skip
         self.assemble = kernels.assembly_of(self.elements.law)
         self.time_step = 0.0  # s, of the present increment; only water asks for it
+        self.keeps_steps = False  # each tangent has factors of its own
         self.sealed = False  # see fourier_system: bricks hold fixed pressures at any time
         self.stations = kernels_stations.pack_stations(model)
         self.regime = np.zeros((model.mesh.n_elements, 8), dtype=np.int8)

@@ -89,7 +89,8 @@ class Driver:
         start, done, size, last = at.start, at.done, at.next, at.last
         cuts = 0
         while done < 1.0:
-            size = size if self.newton.system.model.water is None else size.on_grid(stage.duration, stage.max_fraction)
+            if self.newton.system.keeps_steps:
+                size = size.on_grid(stage.duration, stage.max_fraction)
             target = _next(done, size.size, stage.stops)
             step = target - done
             loading = Loading(

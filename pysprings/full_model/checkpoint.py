@@ -67,6 +67,11 @@ class Cost:
     spent: float
     condition: float | None
 
+    @property
+    def of_solver(self) -> Cost:
+        """The counts of the linear solver, without time."""
+        return replace(self, wall={}, cpu={}, cpu_s=0.0, checkpoints=0, spent=0.0)
+
     def since(self, before: Cost) -> Cost:
         """Return the part that came after ``before``."""
         sums = ("cpu_s", "factorisations", "solves", "checkpoints", "spent")

@@ -130,7 +130,9 @@ class PathRun:
         """Apply the dead load, or take up what another path with the same load has left on this model."""
         known, key = self.work.under_dead_load, (self.path.in_space, self.extra)
         if self._position is None and key in known:
-            self._take_up(deepcopy(known[key]))
+            saved = deepcopy(known[key])
+            self.work.add(Gathered.of(saved).cost.of_solver)  # as if this path had run it, in whichever process
+            self._take_up(saved)
         self._run_stage(dead_load_stage(self.extra, MOTIONS if self.path.in_space else DOFS))
         if key not in known:
             known[key] = replace(self._standing(), stage=0).saved(self.gathered())
