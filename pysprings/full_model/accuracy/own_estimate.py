@@ -20,12 +20,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline
 
 from fe_engine.clock import Clock
 from pysprings.core import variables
@@ -41,7 +40,7 @@ from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import COHESIVE, FRICTIONAL, ground_of_sections
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 from pysprings.springs.path_ends import MESH_ERROR, end_numbers
-from pysprings.springs.sums import with_moment
+from pysprings.springs.tip_zone import shares
 
 if TYPE_CHECKING:
     from pysprings.core.progress import Progress
@@ -136,11 +135,8 @@ def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     for name in (name for name in variables.GROUPS[EXTRAPOLATED] if name in own and name in other):
         if name in ("p", "y"):
             continue
-        values = other[name].transpose(*_axes(own, name)).values
-        if name in _DEPTHS:
-            bounds, depth = own["depth_bounds"].values, own["depth"].values
-            values = _resliced(values, other, bounds, depth, levers=name == "p_component")
-        found[name] = _between(known, values, at)
+        found[name] = _between(known, other[name].transpose(*_axes(own, name)).values, at)
+    _resliced(found, other, fine.dataset)
     return found
 
 
@@ -183,32 +179,28 @@ def _between(x: Array, values: Array, at: Array) -> Array:
     return np.asarray(CubicHermiteSpline(x, values, slopes, axis=-1)(at))
 
 
-def _resliced(values: Array, path: xr.Dataset, bounds: Array, depth: Array, levers: bool) -> Array:
-    """Return a reaction per metre (depth, ..., step) in other slices: force, and of p its moment, are kept."""
-    edges = path["depth_bounds"].values
-    heights, new = np.diff(edges, axis=1)[:, 0], np.diff(bounds, axis=1)[:, 0]
-    force = np.tensordot(np.diag(heights), values, axes=1)
-    above = np.concatenate([np.zeros_like(force[:1]), np.cumsum(force, axis=0)])
-    lines = np.append(bounds[:, 0], bounds[-1, 1])
-    down = np.append(edges[:, 0], edges[-1, 1])
-    at = _between_shared(down, above, np.clip(lines, down[0], down[-1]))
-    shape = (-1,) + (1,) * (values.ndim - 1)
-    found = np.diff(at, axis=0) / new.reshape(shape)
-    if levers:
-        before = np.tensordot(path["depth"].values * heights, values, axes=1)
-        found = with_moment(found, before, depth, new)
-    return np.asarray(found)
+def _resliced(found: Reactions, path: xr.Dataset, fine: xr.Dataset) -> None:
+    """Put reactions per metre of a path (depth, ..., step) into the slices of a finer mesh, at the same states.
 
-
-def _between_shared(x: Array, values: Array, at: Array) -> Array:
-    """Return values (n, ...) by depth at other depths: monotone cubics between the lines that both have.
-
-    Boundaries of layers are such lines. p jumps there, and a spline across would ring through the softer layer.
+    In each of its slices p, m and t differ by one value from those of the finer mesh: jumps between layers and the peak
+    at the tip stay where they are. Force is kept; m takes what the place of p changes, so that the moment is, too.
     """
-    ends = [k for k, depth in enumerate(x) if np.abs(at - depth).min() <= _SAME * x[-1]]
-    parts = [PchipInterpolator(x[a : b + 1], values[a : b + 1], axis=0) for a, b in pairwise(ends)]
-    which = np.clip(np.searchsorted(x[ends], at, side="right") - 1, 0, len(parts) - 1)
-    return np.stack([parts[k](depth) for k, depth in zip(which, at, strict=True)])
+    bounds, slices = path["depth_bounds"].values, fine["depth_bounds"].values
+    edges, new = (np.append(each[:, 0], each[-1, 1]) for each in (bounds, slices))
+    own = {name: fine[name].transpose(*_axes(fine, name)).values for name in _DEPTHS if name in found}
+    mean, spread = (
+        partial(np.tensordot, shares(slices, edges), axes=1),
+        partial(np.tensordot, shares(bounds, new), axes=1),
+    )
+    levers = _levers(found, path)
+    for name, values in own.items():
+        found[name] = values + spread(found[name] - mean(values))
+    found["m"] = found["m"] + spread(mean(_levers(found, fine)) - levers)
+
+
+def _levers(found: Reactions, path: xr.Dataset) -> Array:
+    """Return p times its depth [N], (depth, side, step)."""
+    return np.asarray(path["depth"].values[:, None, None] * found["p_component"].sum(axis=2))
 
 
 Compute = Callable[..., Computed]

@@ -50,8 +50,7 @@ SAFETY = {BRICKS: 3.0, FOURIER: 2.0}
 ORDERS = {BRICKS: {LOAD: 1.715, PY: 1.988}, FOURIER: {LOAD: 1.711, PY: 2.0, STIFFNESS: 3.0}}
 # Shares of the difference of both meshes that extrapolation may leave. Of load and rotation in sand half of what orders
 # of 1.4 and 3 differ by; p(y) near the tip has no order that it keeps. In clay those that the twenty scenes of
-# `benchmarks.error_estimates --clay` ask for: a p(z) is hardly better than that of one mesh, and worse where the tip's
-# edge effect covers a skirt shorter than SHORT D.
+# `benchmarks.error_estimates --clay` ask for: more where the tip's edge effect covers a skirt shorter than SHORT D.
 SHORT = 0.5
 UNSURE = {
     "sand": {LOAD: 0.35, OTHER: 0.4, PY: 0.5},

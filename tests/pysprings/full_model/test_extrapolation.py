@@ -27,7 +27,8 @@ from pysprings.results.summary import summary
 from pysprings.scene.template import template_text
 from pysprings.springs.checks import extract_springs
 from pysprings.springs.path import paths_of
-from pysprings.springs.sums import balance
+from pysprings.springs.sums import balance, slice_heights
+from pysprings.springs.tip_zone import on_slices
 from tests.support import tiny
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 4e-3, "arm": 4.0}
@@ -159,27 +160,44 @@ def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
 
 def test_other_slices_keep_force_and_moment() -> None:
     path = paths_of(found().tree)["pull"].dataset
-    edges = np.linspace(0.0, float(path["depth_bounds"][-1, 1]), 12)
-    bounds, depth = np.stack([edges[:-1], edges[1:]], axis=1), 0.5 * (edges[1:] + edges[:-1])
-    p = path["p_component"].transpose("depth", "side", "component", "step").values
-    new = own_estimate._resliced(p, path, bounds, depth, levers=True)
-    heights = np.diff(path["depth_bounds"].values, axis=1)[:, 0]
-    for weight, other in ((heights, np.diff(edges)), (heights * path["depth"].values, np.diff(edges) * depth)):
-        was, now = (np.tensordot(w, v, axes=1) for w, v in ((weight, p), (other, new)))
-        np.testing.assert_allclose(now, was, rtol=1e-9, atol=1e-9 * np.abs(was).max())
+    fine = on_slices(path, np.linspace(0.0, float(path["depth_bounds"][-1, 1]), 12))
+    fine["p_component"] = fine["p_component"] * (1.0 + 0.1 * fine["depth"])
+    new = {name: path[name].transpose("depth", "side", ..., "step").values for name in ("p_component", "m", "t")}
+    was = sums(new, path)
+    own_estimate._resliced(new, path, fine)
+    for before, after in zip(was, sums(new, fine), strict=True):
+        np.testing.assert_allclose(after, before, rtol=1e-9, atol=1e-9 * np.abs(before).max())
 
 
-def test_a_soft_layer_keeps_its_p_on_other_slices() -> None:
-    """p of 10 above 3.2 m and of 100 below, as on sand over clay: the jump does not ring through the rings above it."""
-    edges, new = np.array([0.0, 1.5, 3.2, 4.7, 5.8, 6.6, 7.5]), np.array([0.0, 0.9, 2.0, 3.2, 4.2, 5.4, 6.6, 7.5])
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    bounds, depth = np.stack([new[:-1], new[1:]], axis=1), 0.5 * (new[1:] + new[:-1])
-    path = xr.Dataset({
-        "depth_bounds": (("depth", "edge"), np.stack([edges[:-1], edges[1:]], axis=1)), "depth": ("depth", middle)
+def sums(found: dict[str, np.ndarray], path: xr.Dataset) -> list[np.ndarray]:
+    """Return H, V and M of reactions per metre."""
+    height, p = slice_heights(path), found["p_component"].sum(axis=2)
+    turning = found["m"] - path["depth"].values[:, None, None] * p
+    return [np.tensordot(height, each, axes=1).sum(axis=0) for each in (p, found["t"], turning)]
+
+
+def sliced(edges: list[float], p: list[float]) -> xr.Dataset:
+    """Return p (N/m) at one side and state in slices between these depths (m), without m."""
+    bounds, values = np.stack([edges[:-1], edges[1:]], axis=1), np.array(p, dtype=float)[:, None, None]
+    return xr.Dataset({
+        "depth_bounds": (("depth", "edge"), bounds), "depth": ("depth", bounds.mean(axis=1)),
+        "p_component": (("depth", "side", "component", "step"), values[..., None]),
+        "m": (("depth", "side", "step"), 0.0 * values),
     })  # fmt: skip
-    p = np.where(middle < 3.2, 10.0, 100.0)[:, None, None, None] * np.ones((1, 2, 1, 1))
-    found = own_estimate._resliced(p, path, bounds, depth, levers=True)[:, 0, 0, 0]
-    np.testing.assert_allclose(found, np.where(depth < 3.2, 10.0, 100.0), rtol=0.03)
+
+
+@pytest.mark.parametrize(("edges", "p", "new", "finer", "wanted"), [
+    # sand over clay: the jump at 3.2 m does not ring through the slices above it
+    ([0.0, 1.5, 3.2, 4.7, 5.8, 7.5], [10, 10, 100, 100, 100], [0.0, 0.9, 2.0, 3.2, 4.2, 5.4, 7.5],
+     [11, 11, 11, 120, 120, 120], [10, 10, 10, 100, 100, 100]),
+    # the peak at the tip is not drawn into the slice above it
+    ([0.0, 2.0, 4.0], [10, 30], [0.0, 1.0, 2.0, 3.0, 4.0], [10, 10, 10, 50], [10, 10, 10, 50]),
+])  # fmt: skip
+def test_what_both_meshes_have_stays_where_it_is(edges, p, new, finer, wanted) -> None:
+    path = sliced(edges, p)
+    found = {name: path[name].values for name in ("p_component", "m")}
+    own_estimate._resliced(found, path, sliced(new, finer))
+    np.testing.assert_allclose(found["p_component"][:, 0, 0, 0], wanted, rtol=1e-9)
 
 
 def test_answers_have_the_estimate_of_the_paths_that_they_stand_on() -> None:
