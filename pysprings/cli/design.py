@@ -24,7 +24,7 @@ def design(
         argument("CASES", "load cases (CSV, Excel), units in the headings; by default design.cases of the scene"),
     ] = None,
     tilt: Annotated[
-        str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"; by default [design] tilt', "ANGLE")
+        str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"; by default \\[design] tilt', "ANGLE")
     ] = None,
     out: Annotated[
         list[Path] | None,
@@ -63,7 +63,6 @@ def design(
     from pysprings.full_model.run_record import RunRecord
     from pysprings.results.report import load_cases as text
     from pysprings.studies import design as files
-    from pysprings.studies.design import answer_cases
     from pysprings.studies.group import answer_group, read_group
 
     tolerance, stiffness = _checked(tilt, joint, group)
@@ -77,7 +76,7 @@ def design(
 
     def answer(springs: AnySprings) -> pd.DataFrame:
         if placed is None:
-            return answer_cases(springs, read, tolerance, extrapolate, **more)
+            return files.answer_cases(springs, read, tolerance, extrapolate, **more)
         return answer_group(springs, read, placed, tolerance, extrapolate, **more)
 
     answers, table, springs = _answers(result, strict, answer)
