@@ -39,19 +39,18 @@ def compare(
         else:
             print(by_cycle.to_text(found), end="")
         return
-    if slices:
-        from pysprings.macro.comparison import convergence_text, slice_convergence
+    from pysprings.macro import comparison
 
-        table = slice_convergence(tree, springs_kind=spring_set)
+    if slices:
+        table = comparison.slice_convergence(tree, springs_kind=spring_set)
         if as_json:
             print_json({"rows": table.to_dict(orient="records")})
         else:
-            print(convergence_text(table), end="")
+            print(comparison.convergence_text(table), end="")
         return
-    from pysprings.macro.comparison import compare as compare_models
     from pysprings.macro.comparison_text import to_dict, to_text
 
-    frame = compare_models(tree, spring_set)
+    frame = comparison.compare(tree, spring_set)
     if as_json:
         print_json(to_dict(frame))
     else:

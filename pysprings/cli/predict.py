@@ -248,9 +248,8 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
     import numpy as np
 
     from pysprings.core.loads import in_plane
-    from pysprings.macro import predict
+    from pysprings.macro import predict, stiffness
     from pysprings.macro.directions import off_plane, with_components
-    from pysprings.macro.stiffness import torsion_of
 
     x, y, about_x, about_y, T = (getattr(question, name) or 0.0 for name in ("Hx", "Hy", "Mx", "My", "T"))
     loads = in_plane(np.array([[x, y]]), np.array([[about_y, -about_x]]))
@@ -263,7 +262,7 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
         refuse("--T", "springs answer torsion by their stiffness at rest alone")
     H, M = float(loads.H[0]), float(loads.M[0])
     state = predict.way_to_load(springs, H=H, M=M, V=question.V, **common).isel(step=[-1])
-    return with_components(state, loads, np.array([T]), torsion_of(springs))
+    return with_components(state, loads, np.array([T]), stiffness.torsion_of(springs))
 
 
 def _from_all_sides(
@@ -347,10 +346,9 @@ def _matrices(
 ) -> predictions.Matrices:
     """Return the stiffness of the springs at each state, and the initial one; 6x6 where w is known."""
     from pysprings.cli import predictions
-    from pysprings.macro import stiffness
-    from pysprings.macro.predict import model_of
+    from pysprings.macro import predict, stiffness
 
-    model = model_of(springs, asking["springs_kind"], asking["path"], question.V)
+    model = predict.model_of(springs, asking["springs_kind"], asking["path"], question.V)
     initial = stiffness.Form(**{**form, "secant": False})
     known = stiffness.has_six(springs)
     six = stiffness.six_at_state(model, states.isel(step=0), form) if known and states.sizes["step"] == 1 else None

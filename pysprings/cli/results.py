@@ -11,7 +11,7 @@ from pysprings.cli.inputs import read_springs
 from pysprings.cli.support import print_table, refuse
 from pysprings.core.columns import Table
 from pysprings.core.errors import printable
-from pysprings.core.text import number
+from pysprings.core.text import number, percent
 from pysprings.core.written import WRITING
 from pysprings.full_model.run_record import FILE, RunRecord
 from pysprings.results.layout import FIGURES, listed_pictures, run_files
@@ -169,7 +169,6 @@ def print_cost(record: RunRecord) -> None:
 def print_estimate(record: RunRecord) -> None:
     """Print the runs to a target error, and the error estimate of the run."""
     if noted := record.target_error:
-        from pysprings.core.text import percent
         from pysprings.full_model.accuracy.target import JUDGED
 
         for run in noted["runs"]:

@@ -12,7 +12,7 @@ from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
 from pysprings.core.text import number
-from pysprings.scene.template import template_names
+from pysprings.scene.template import template_names, write_scene
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -46,8 +46,6 @@ def init(
     force: Annotated[bool, option("--force", "replace existing files")] = False,
 ) -> None:
     """Write a commented scene, and the JSON schema that helps editors with it."""
-    from pysprings.scene.template import write_scene
-
     written = write_scene(file, template, force)
     for path in written:
         print(path)

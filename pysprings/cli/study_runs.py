@@ -16,11 +16,9 @@ from pysprings.core.progress import reporter
 from pysprings.core.storage import write_text
 from pysprings.core.workers import cores
 from pysprings.full_model.accuracy import presets
-from pysprings.full_model.accuracy.presets import settings
 from pysprings.scene.model import Scene
 from pysprings.studies import stability
 from pysprings.studies.accuracy import rows, runs, study
-from pysprings.studies.accuracy.rows import StudyResult
 
 
 def run_accuracy(
@@ -28,7 +26,7 @@ def run_accuracy(
 ) -> None:
     """Run or go on; raise RunIncomplete at the end where a run has not reached its end."""
     refuse_no_folder(out)
-    chosen = settings(meshes, quick, *_linear_solvers(scene), fourier=presets.carries_series(scene))
+    chosen = presets.settings(meshes, quick, *_linear_solvers(scene), fourier=presets.carries_series(scene))
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             outcome = study.study(scene, out, chosen, progress, force, runs.run_in_child, formats)
@@ -65,7 +63,7 @@ def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
     return solvers, solvers[0] if scene.solver.linear == "auto" else scene.solver.linear
 
 
-def _print_accuracy(out: Path, outcome: StudyResult) -> None:
+def _print_accuracy(out: Path, outcome: rows.StudyResult) -> None:
     for model in (rows.FULL, rows.MACRO):
         table = study.table_of(outcome.table, model)
         if table.rows:

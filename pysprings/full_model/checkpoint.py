@@ -8,8 +8,6 @@ increments. Each file replaces the one before it at once; it is a line of JSON (
 SHA-256 of the rest) and NumPy's npz archive without pickled objects, and holds which run it belongs to.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json
@@ -18,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -68,11 +66,11 @@ class Cost:
     condition: float | None
 
     @property
-    def of_solver(self) -> Cost:
+    def of_solver(self) -> Self:
         """The counts of the linear solver, without time."""
         return replace(self, wall={}, cpu={}, cpu_s=0.0, checkpoints=0, spent=0.0)
 
-    def since(self, before: Cost) -> Cost:
+    def since(self, before: Self) -> Self:
         """Return the part that came after ``before``."""
         sums = ("cpu_s", "factorisations", "solves", "checkpoints", "spent")
         changes: dict[str, Any] = {name: getattr(self, name) - getattr(before, name) for name in sums}
@@ -144,9 +142,9 @@ class Checkpoints:
         """The folder of the files; UserInputError where a link is in its place."""
         return own_folder(self.folder, CHECKPOINT)
 
-    def companion(self, name: str) -> Checkpoints:
+    def companion(self, name: str) -> Self:
         """Return the checkpoints of a run beside this one."""
-        return Checkpoints(self.folder, f"{COMPANION}{name}-")
+        return type(self)(self.folder, f"{COMPANION}{name}-")
 
     @property
     def elapsed(self) -> float:
@@ -349,7 +347,7 @@ class Gathered:
         return Saved(meta, {_ROW + name: np.array([row[name] for row in self.rows]) for name in names})
 
     @classmethod
-    def of(cls, saved: Saved) -> Gathered:
+    def of(cls, saved: Saved) -> Self:
         """Return what a checkpoint file holds."""
         meta, columns = saved.meta, _part(saved, _ROW)
         ending = meta["ending"]
@@ -404,7 +402,7 @@ class Standing:
         return Saved(meta, arrays)
 
     @classmethod
-    def of(cls, saved: Saved) -> Standing | None:
+    def of(cls, saved: Saved) -> Self | None:
         """Return what a checkpoint file holds; None for that of a path that has ended."""
         meta = saved.meta
         if "stage" not in meta:

@@ -13,11 +13,9 @@ A ring on the edge of two slices shares its force between them by their heights;
 whose layer holds water. No slice reaches over a boundary.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -56,7 +54,7 @@ class SkirtSlices:
         """Return the forces of slices (nd,) from those of rings (nz,)."""
         return np.asarray(self.shares @ of_rings)
 
-    def of_water(self, wet: np.ndarray) -> SkirtSlices:
+    def of_water(self, wet: np.ndarray) -> Self:
         """Return the slices with the force of each ring in those alone that hold water, ``wet`` (nd,) bool."""
         shares = self.shares * wet[:, None]
         sums = shares.sum(axis=0)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scene -> full model -> raw result with provenance, convergence record and cost."""
 
-from __future__ import annotations
-
 import os
 import time
 import warnings
@@ -11,7 +9,6 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING
 
 import xarray as xr
 
@@ -38,9 +35,7 @@ from pysprings.full_model.result_tree import record_of, tree_of
 from pysprings.full_model.run_record import Computed
 from pysprings.full_model.work import factorise_and_solve_seconds, prepare
 from pysprings.model.forecast.resources import jobs_for, refuse_what_cannot_fit
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)

@@ -16,28 +16,24 @@ A share of the diameter or a rotation (`[limit]` of the scene; 10 % and 5 degree
 a peak (clay as cohesion without friction) would go on to metres.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Self
 
 import numpy as np
 
+from fe_engine.assembly.fourier_system import FourierSystem
+from fe_engine.assembly.system import System
 from fe_engine.conventions import CONTACT_OPEN, REGIME_APEX, REGIME_CONE
 from fe_engine.errors import FEError
 from fe_engine.material import soil_rows
 from fe_engine.soil.dispatch import update_of
 from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.soil.law import Point
+from fe_engine.solve.stepping import Driver, Position
+from fe_engine.state import State
 from pysprings.core.words import Diagnosis, StopReason
-
-if TYPE_CHECKING:
-    from fe_engine.assembly.fourier_system import FourierSystem
-    from fe_engine.assembly.system import System
-    from fe_engine.solve.stepping import Driver, Position
-    from fe_engine.state import State
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 # A caisson under a given load is at its limit where this share of its initial stiffness is left
 _LIMIT = 0.02
@@ -185,7 +181,7 @@ class DisplacementLimit:
     rest: float = 0.0
 
     @classmethod
-    def of(cls, scene: Scene, rest: float) -> DisplacementLimit:
+    def of(cls, scene: Scene, rest: float) -> Self:
         """Return the limit of a scene."""
         caisson, limit = scene.caisson, scene.limit
         return cls(caisson.outer_diameter, caisson.skirt_length, limit.displacement_over_diameter, limit.rotation, rest)

@@ -4,8 +4,6 @@
 A path on its way (`PathRun`): its state, the stages that drive it, the rows it gathers, its checkpoints.
 """
 
-from __future__ import annotations
-
 import time
 from contextlib import suppress
 from copy import deepcopy
@@ -13,7 +11,6 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path as FilePath
 from traceback import extract_tb
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -43,12 +40,9 @@ from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import path_seconds
 from pysprings.model.stages import dead_load_stage, large_motion, path_stages, viscous_displacement
 from pysprings.model.water import undrained_time
+from pysprings.scene.model import Scene
+from pysprings.scene.sections import Path
 from pysprings.springs.path_ends import end_attrs
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
-    from pysprings.scene.sections import Path
-
 
 # A vertical path has come to its limit load where an increment fails and dV/dw is less than this share of that at rest.
 # Beyond, contact under the lid opens and closes from step to step, and V changes by 1 % at the most.

@@ -10,7 +10,6 @@ import xarray as xr
 
 from pysprings.core import variables, version
 from pysprings.core.errors import ResourceError, RunIncomplete
-from pysprings.core.variables import TORSION
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigures, RunRecord, SolverFigures, Status
@@ -56,7 +55,7 @@ def _stiffness(work: Work) -> dict[str, Any]:
     """Return the stiffness of the whole caisson at rest."""
     torsion = work.torsion if math.isfinite(work.torsion) else None
     matrix = (2.0 * work.stiffness).tolist()
-    return {"dofs": list(variables.DOFS), "matrix": matrix, TORSION: torsion}
+    return {"dofs": list(variables.DOFS), "matrix": matrix, variables.TORSION: torsion}
 
 
 def _mesh(work: Work) -> MeshFigures:
@@ -133,7 +132,7 @@ def tree_of(work: Work, record: RunRecord) -> xr.DataTree:
         "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
         "limit_rotation_rad": scene.limit.rotation,
         "vertical_load_N": work.vertical_load,
-        **({TORSION: work.torsion} if math.isfinite(work.torsion) else {}),
+        **({variables.TORSION: work.torsion} if math.isfinite(work.torsion) else {}),
         "defaulted": defaulted_text(record.defaulted, numerical=False),
         "remarks": "; ".join(record.remarks),
     }

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: MIT
 """What the paths of one run share: mesh, engine, stiffness at rest, checkpoints; and what has been computed so far."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import numba
 import numpy as np
@@ -45,10 +43,8 @@ from pysprings.model.forecast.domain_effect import domain_effect
 from pysprings.model.fourier import BuiltFourier, build, build_fourier, build_torsion
 from pysprings.model.stages import fast_paths
 from pysprings.model.water import undrained_time
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
-    from pysprings.scene.sections import Path
+from pysprings.scene.model import Scene
+from pysprings.scene.sections import Path
 
 _ROUNDING = 1e-5  # share of the stiffness by which a linear solver may leave it unsymmetric
 
@@ -113,7 +109,7 @@ class Work:
     cpu_began: float = field(default_factory=time.process_time)
     _whole: Whole | None = None
 
-    def model_of(self, path: Path) -> Work | Whole:
+    def model_of(self, path: Path) -> Self | Whole:
         """Return the model on which a path runs: half a caisson, or the whole one, made for the first that needs it."""
         if not path.in_space:
             return self

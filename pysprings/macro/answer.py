@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The answer of the macro-model along a way: a dataset by step, marked, warned of or refused where springs lack."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -14,14 +12,11 @@ from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
 from pysprings.macro.capacity import past_ends
+from pysprings.macro.model import MacroModel
 from pysprings.macro.response import Support
 from pysprings.macro.vertical_answer import Down, vertical_answer
 from pysprings.macro.ways import RANGE_SLACK, Along, Control, Limit, Turns
 from pysprings.springs.path_ends import MESH_ERROR
-
-if TYPE_CHECKING:
-    from pysprings.macro.model import MacroModel
-
 
 _KEPT = (
     "Conventions",

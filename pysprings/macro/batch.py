@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Many independent load cases at once: motions, stiffness, range and capacity by case, marked and never raised."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Unpack
@@ -216,6 +214,15 @@ def _alike(V: Array, own: tuple[float, float] | None) -> Iterator[tuple[float | 
         yield (None if own is None or np.isnan(value) else float(value)), rows
 
 
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Answers of one model: dims, values by case and attributes of each variable; coordinates; attributes."""
+
+    values: dict[str, tuple[tuple[Any, ...], Any, dict[str, Any]]]
+    coords: dict[str, Any]
+    attrs: dict[str, Any]
+
+
 def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
     """Return answers of several models, by case, as one dataset in an order; attributes are those that all have."""
     first = parts[0]
@@ -226,15 +233,6 @@ def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
     attrs = {k: v for k, v in first.attrs.items() if k not in _OF_A_WAY and all(p.attrs.get(k) == v for p in parts)}
     remarks = {text for part in parts for text in part.attrs["remarks"]}
     return xr.Dataset(data, first.coords, attrs | {"remarks": sorted(remarks)})
-
-
-@dataclass(frozen=True, slots=True)
-class _Part:
-    """Answers of one model: dims, values by case and attributes of each variable; coordinates; attributes."""
-
-    values: dict[str, tuple[tuple[Any, ...], Any, dict[str, Any]]]
-    coords: dict[str, Any]
-    attrs: dict[str, Any]
 
 
 def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bool) -> _Part:

@@ -17,11 +17,9 @@ and at this vertical load comes first: beyond it the macro-model has no answer, 
 path met a limit load (`past_ends`). Where V is beyond the largest known vertical load, no H and M are known.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -31,16 +29,13 @@ from pysprings.core.arrays import Array, Integers, Marks, Texts
 from pysprings.core.loads import close_loads
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
+from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.vertical import covered, share_left
 from pysprings.macro.vertical_answer import SLACK, vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SAME_DIRECTION
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
-
-if TYPE_CHECKING:
-    from pysprings.macro.model import MacroModel
-
 
 GONE, FLAT = 0.02, 0.1
 STEPS = 24
@@ -173,7 +168,7 @@ class _Ways:
     scale: Array
 
     @classmethod
-    def along(cls, model: MacroModel, d: Array, reach: Array) -> _Ways:
+    def along(cls, model: MacroModel, d: Array, reach: Array) -> Self:
         n, length, load = len(d), model.length, model.table.load_scale
         G, C = np.zeros((n, 2, 2)), np.zeros((n, 2, 2))
         G[:, 0, 0], G[:, 0, 1] = d[:, 0], d[:, 1] * length

@@ -31,13 +31,11 @@ The measures are those of `pysprings.macro.measures`. `slice_convergence`: error
 slices.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -50,14 +48,13 @@ from pysprings.core.path_kinds import VERTICAL
 from pysprings.core.text import suggestion
 from pysprings.macro import measures
 from pysprings.macro.answer import trace
-from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.space import MEMORY, compare_in_space
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.vertical import build_vertical
 from pysprings.macro.vertical_answer import along_vertical
 from pysprings.macro.ways import Control
-from pysprings.springs.checks import SCHEMA
+from pysprings.springs.checks import SCHEMA, extract_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
@@ -81,7 +78,7 @@ class Comparison:
     _models: dict[tuple[Springs, str, str | None], MacroModel] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def of(cls, model: Springs | xr.DataTree, springs_kind: str | None = None) -> Comparison:
+    def of(cls, model: Springs | xr.DataTree, springs_kind: str | None = None) -> Self:
         """Return the comparison of springs, or of a full-model result, whose springs are extracted first.
 
         Raises UserInputError for a spring set that the springs do not give.
@@ -133,7 +130,7 @@ class Comparison:
     def _row(self, path: SpringPath, spring_set: str, answer: xr.Dataset) -> dict[str, Any]:
         rules, length, n = path.rules, self.springs.length, answer.sizes["step"]
         x, reference, values = measures.abscissa(path)[:n], path[rules.load][:n], answer[rules.load].values
-        small = self.springs.diameter * SMALL_OVER_DIAMETER
+        small = self.springs.diameter * measures.SMALL_OVER_DIAMETER
         small = small / length if rules.drives == "rotation" else small
         if rules.drives == "w":  # what is there at rest is no answer
             x, reference, values = x - x[0], reference - reference[0], values - reference[0]
@@ -157,7 +154,7 @@ class Comparison:
         row |= measures.at_equal_load(path, answer) | measures.distances(path, answer)
         return row | {
             "small_at": small,
-            "skip_below": SKIP_BELOW,
+            "skip_below": measures.SKIP_BELOW,
             "depths": answer.sizes["depth"],
             "depths_unusable": int((answer["usable"] == 0).sum()),
             "extrapolated_states": int(answer["extrapolated"].sum()),
@@ -224,8 +221,6 @@ def _states(comparison: Comparison) -> Iterator[pd.DataFrame]:
 def _springs_of(model: Springs | xr.DataTree) -> Springs:
     if isinstance(model, Springs) or model.attrs.get("schema") == SCHEMA:
         return Springs.of(model)
-    from pysprings.springs.checks import extract_springs  # only a full result needs it
-
     return Springs.of(extract_springs(model))
 
 

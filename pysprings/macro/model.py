@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The rigid caisson on its springs: which spring sets there are, and the model, built once and asked often."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -27,6 +25,9 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import UNKNOWN, PathEnd
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
+
+Typed = Springs | CurveSprings
+AnySprings = Typed | xr.DataTree
 
 NO_VERTICAL = "a table without a vertical path has no vertical springs: w and V are left out"
 AT_RATE = "water flows in the ground: the springs are those of {:.3g} mm/s (of rho); what takes longer drains more"
@@ -70,7 +71,7 @@ class MacroModel:
     @classmethod
     def from_springs(
         cls, springs: AnySprings, springs_kind: str | None = None, path: str | None = None, V: float | None = None
-    ) -> MacroModel:
+    ) -> Self:
         """Build the model from springs: their fan where they have one, else all springs of the first calibration path.
 
         springs_kind is a name of `SPRING_SETS`; path selects the path of a set of one path ("full", "py"). p-y curves
@@ -96,7 +97,7 @@ class MacroModel:
         )  # fmt: skip
 
     @classmethod
-    def _from_curves(cls, springs: CurveSprings, springs_kind: str | None, path: str | None) -> MacroModel:
+    def _from_curves(cls, springs: CurveSprings, springs_kind: str | None, path: str | None) -> Self:
         chosen = choose_set(springs, springs_kind, path)
         name, curves = springs.pick(path)
         attrs = {"title": f"table {springs.source}", "skirt_length_m": curves.length}
@@ -105,7 +106,7 @@ class MacroModel:
         rows = RowSprings(curves.table(chosen.companions), springs.origin(name))
         return cls(rows, chosen.name, None, attrs, remarks, ends=ends)
 
-    def on_rows(self, table: SpringTable) -> MacroModel:
+    def on_rows(self, table: SpringTable) -> Self:
         """Return the caisson on other rows, in place of its lateral springs."""
         return replace(self, response=RowSprings(table, self.origin, self.response.sources))
 
@@ -230,10 +231,6 @@ def elastic_loads(springs: Springs) -> tuple[float, float]:
     """Return the vertical loads [N] that an elastic vertical stiffness may answer (`pysprings.macro.capacity`)."""
     loads = [each.V for each in springs.load_sets] or [springs.path().load]
     return min(loads) - abs(min(loads)), max(loads) + abs(max(loads))
-
-
-Typed = Springs | CurveSprings
-AnySprings = Typed | xr.DataTree
 
 
 def typed(springs: AnySprings) -> Typed:

@@ -16,7 +16,6 @@ from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MOTIONS
-from pysprings.core.variables import known_torsion
 from pysprings.macro.answer import Care
 from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
@@ -105,9 +104,9 @@ def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]
 def torsion_of(springs: AnySprings | MacroModel) -> float | None:
     """Return the torsional stiffness of the full model at rest [N m/rad]; None where springs have none."""
     if isinstance(springs, MacroModel):
-        return known_torsion(springs.attrs)
+        return variables.known_torsion(springs.attrs)
     given = typed(springs)
-    return None if isinstance(given, CurveSprings) else known_torsion(given.attrs)
+    return None if isinstance(given, CurveSprings) else variables.known_torsion(given.attrs)
 
 
 def has_six(springs: AnySprings | MacroModel) -> bool:

@@ -5,10 +5,9 @@ A vertical load that the springs were not made for is answered from an elastic s
 theirs by no more than theirs: without vertical springs from 0 to twice the load of the paths.
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -19,16 +18,11 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import same_load, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.words import RANGE_END
+from pysprings.macro.model import MacroModel
 from pysprings.macro.response import list_of, other_load
 from pysprings.macro.vertical import FLAT, Branch, VerticalTable, covered, share_left
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from pysprings.macro.model import MacroModel
-
 
 # A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
 SLACK = 1e-6

@@ -13,11 +13,9 @@ enough; hardening over a fifth of the reach carries the growth of the loads from
 the elements around the chosen ones, halves what pulls miss.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -82,10 +80,10 @@ class Candidates(NamedTuple):
             reversible_rows(self.reversible),
         )
 
-    def chosen(self, which: Marks) -> Candidates:
+    def chosen(self, which: Marks) -> Self:
         """Return those of all elements, in the order of the kinds, that are marked."""
         parts = np.split(which, np.cumsum([len(own) for own in self[:-1]]))
-        return Candidates(*(own[part] for own, part in zip(self, parts, strict=True)))
+        return type(self)(*(own[part] for own, part in zip(self, parts, strict=True)))
 
 
 def candidates(reach: float) -> Candidates:
@@ -225,13 +223,13 @@ class Offered:
         return self.rows[:, 0] == PLASTIC
 
     @classmethod
-    def in_plane(cls, choice: Candidates) -> Offered:
+    def in_plane(cls, choice: Candidates) -> Self:
         """Return candidates of one plane: none is spread."""
         rows = np.concatenate(choice.rows)
         return cls(rows, np.zeros(len(rows), dtype=bool))
 
     @classmethod
-    def of_space(cls, rows: Array) -> Offered:
+    def of_space(cls, rows: Array) -> Self:
         """Return what `in_space` made elements in space of (n, SPACE_COLUMNS); those of torsion are left out."""
         parts = rows[:, COLUMNS:]
         spread, round_ = parts[:, :2].any(axis=1), ~parts.any(axis=1)
@@ -239,13 +237,13 @@ class Offered:
         _share(one, 0.5 * AZIMUTHS)
         return cls(np.concatenate([rows[round_, :COLUMNS], one]), np.arange(round_.sum() + len(one)) >= round_.sum())
 
-    def with_rows(self, rows: Array) -> Offered:
+    def with_rows(self, rows: Array) -> Self:
         """Return the same with other parameters of its elements."""
-        return Offered(rows, self.spread)
+        return type(self)(rows, self.spread)
 
-    def chosen(self, which: Marks) -> Offered:
+    def chosen(self, which: Marks) -> Self:
         """Return those that are marked."""
-        return Offered(self.rows[which], self.spread[which])
+        return type(self)(self.rows[which], self.spread[which])
 
 
 def azimuths() -> Array:

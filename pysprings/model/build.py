@@ -7,15 +7,11 @@ direction of a positive H: about y to the left of x, with z up. Here signs turn,
 model are those of the field (with w and V down), so its forces are those of the field.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fe_engine.elements import hex8, interface, rigid, solid_shell
-from fe_engine.elements.interface import Stations
 from fe_engine.errors import MeshError
 from fe_engine.mesh import Quality
 from fe_engine.model import Linear, Model
@@ -25,9 +21,7 @@ from pysprings.model.mesh import PRESETS, SURFACES, CaissonMesh, Counts, Geometr
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelMesh, make_steel, with_steel
 from pysprings.model.water import beside_steel, make_water
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)
@@ -151,7 +145,7 @@ def _mesh(geometry: Geometry, counts: Counts) -> CaissonMesh:
         raise MeshError(message) from error
 
 
-def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
+def make_stations(geometry: Geometry, caisson: CaissonMesh) -> interface.Stations:
     """Return the stations on the skirt (outside, inside), under the lid and under the tip.
 
     Nodal, but central on the faces of the tip that meet a wall: the nodes there carry the wall's stations.
@@ -166,7 +160,7 @@ def make_stations(geometry: Geometry, caisson: CaissonMesh) -> Stations:
         parts += [(*columns, np.full(len(columns[0]), SURFACE[name])) for columns in groups]
     near, weight, normal, area, surface = (np.concatenate(column) for column in zip(*parts, strict=True))
     position = np.einsum("sa,sai->si", weight, nodes[near])
-    return Stations(
+    return interface.Stations(
         position=position,
         frame=interface.local_frames(normal),
         area=area,
@@ -206,7 +200,7 @@ def initial_stress(scene: Scene, depth: np.ndarray) -> np.ndarray:
     return stress
 
 
-def initial_pressure(scene: Scene, stations: Stations) -> np.ndarray:
+def initial_pressure(scene: Scene, stations: interface.Stations) -> np.ndarray:
     """Return the contact pressure (ns,) that the geostatic stress puts on each station, in Pa."""
     ground, depth = scene.ground, stations.position[:, 2]
     upright = stations.frame[:, 0, 2] ** 2

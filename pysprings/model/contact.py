@@ -18,28 +18,24 @@ them (a hundred times that took 78 increments, 19 of them cut, where ten times t
 2.5 mm). A stiffer penalty is therefore replaced by the limit, and the run reports it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fe_engine.contact import adhesion, coulomb
 from fe_engine.contact.law import ContactLaw
+from fe_engine.elements.interface import Stations
+from fe_engine.fourier_model import FourierModel
+from fe_engine.model import Model
 from pysprings.core.text import with_prefix
 from pysprings.core.units import ATMOSPHERE, VAPOUR
 from pysprings.model.mesh import SURFACES
 from pysprings.scene.by_depth import of_surface
 from pysprings.scene.defaults import defaulted
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
-
-if TYPE_CHECKING:
-    from fe_engine.elements.interface import Stations
-    from fe_engine.fourier_model import FourierModel
-    from fe_engine.model import Model
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 SURFACE = {name: code for code, name in enumerate(SURFACES)}
 _BELOW = 1.0e-6  # m

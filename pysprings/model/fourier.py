@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Scene -> Fourier model of the engine, as `build` makes one of bricks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,9 +30,7 @@ from pysprings.model.fourier_mesh import (
 from pysprings.model.soil_laws import soil_materials
 from pysprings.model.steel import SteelRings, add_steel, make_steel_rings
 from pysprings.model.water import make_series_water
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 SIDES = {"outside": "outer", "inside": "inner"}
 

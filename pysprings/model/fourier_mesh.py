@@ -5,19 +5,14 @@ Lines stand on the axis, both faces of the skirt and the side, and on mudline, t
 thickness: its slot holds no elements.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
 from pysprings.model.mesh import Geometry, PlaneCounts, depths, graded, outside, skirt_cells, tip_radii
 from pysprings.model.steel import AROUND, PATCH
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 
 @dataclass(frozen=True)

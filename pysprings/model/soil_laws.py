@@ -1,20 +1,15 @@
 # SPDX-License-Identifier: MIT
 """The engine's laws of a scene's layers, and their parameters at the points of a mesh; see `pysprings.scene.soils`."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fe_engine.material import Material
 from fe_engine.soil.law import SoilLaw
 from pysprings.scene.ground import Stratum
+from pysprings.scene.model import Scene
 from pysprings.scene.soils import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 
 def engine_laws(scene: Scene) -> list[SoilLaw]:

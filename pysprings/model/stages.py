@@ -1,27 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Load paths of a scene -> stages of the engine (for half a caisson)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fe_engine.fourier_model import SectionMesh
+from fe_engine.mesh import Mesh
 from fe_engine.model import Stage
 from pysprings.core.path_kinds import LOADS, MOTIONS, PATH_KINDS
 from pysprings.core.variables import DOFS
 from pysprings.model.build import extra_load as extra_load_of
 from pysprings.model.water import mudline_time
+from pysprings.scene.model import Scene
+from pysprings.scene.sections import Path
 from pysprings.scene.soils import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from fe_engine.fourier_model import SectionMesh
-    from fe_engine.mesh import Mesh
-    from pysprings.scene.model import Scene
-    from pysprings.scene.sections import Path
 
 # The first step is this fraction of the diameter (0.02 mm for 7.8 m): well inside first yield and first slip,
 # where most points switch regime and nothing can be extrapolated yet. In a soil that yields earlier than sand it is

@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Scene -> pore water of soil and interface: what flows, where it drains, which film joins the faces."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +13,7 @@ from fe_engine.model import Water
 from fe_engine.soil.elastic import moduli
 from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import SURFACES, CaissonMesh
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 # An undrained path lasts this share of the time in which water crosses the smallest cell: nothing flows.
 _UNDRAINED = 1.0e-6

@@ -4,7 +4,7 @@
 from collections.abc import Iterator
 
 from pysprings.core.path_kinds import CALIBRATION, LOADS, MEMORY, MOTIONS, PATH_KINDS, UNITS
-from pysprings.core.units import show
+from pysprings.core.units import quoted, show
 from pysprings.scene import layers
 from pysprings.scene.design_load import design_clashes
 from pysprings.scene.fan import space_paths
@@ -46,8 +46,6 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
 
 def dotted(path: KeyPath) -> str:
     """Return a key path as people write it: `path[0].arm`, quoted where a name is not plain."""
-    from pysprings.core.units import quoted
-
     text = ""
     for part in path:
         if isinstance(part, int):

@@ -8,12 +8,10 @@ angle at first yield and the dilation angle are reduced where they would exceed 
 stress stays: K0 = "auto" is that of the friction angle before.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
@@ -36,7 +34,7 @@ class StrengthFactors:
     su: float = 1.0
 
     @classmethod
-    def read(cls, texts: Iterable[str]) -> StrengthFactors:
+    def read(cls, texts: Iterable[str]) -> Self:
         """Read factors: "1.25" for all, "su=1.4" for one. Raises UserInputError for every text that is none."""
         factors, problems = cls(), []
         for text in texts:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scene files: TOML text -> `Scene`, or every problem at once with file, line, column and key."""
 
-from __future__ import annotations
-
 import copy
 import os
 import re
@@ -11,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from stat import S_ISREG
-from typing import Any, NoReturn
+from typing import Any, NoReturn, Self
 
 from pydantic import ValidationError
 
@@ -85,7 +83,7 @@ class SceneText:
         self._profile, self._in_table = _read_profile(self._data, self._places, file)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> SceneText:
+    def read(cls, path: str | os.PathLike[str]) -> Self:
         """Return the text of a scene file."""
         return cls(read_text(FilePath(path)), str(path))
 

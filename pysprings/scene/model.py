@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The scene: its sections, which must fit together, as one frozen value with a checksum."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections import Counter
-from typing import Any
+from typing import Any, Self
 
 from pydantic import PrivateAttr, model_validator
 
@@ -28,7 +26,7 @@ class Scene(SceneSections):
     _source: tuple[str, str] = PrivateAttr(("", ""))  # TOML text, and the sha256 of the scene that it gave
 
     @model_validator(mode="after")
-    def _refuse_clashes(self) -> Scene:
+    def _refuse_clashes(self) -> Self:
         problems = list(clashes(self))
         if problems:
             lines = "; ".join(f"{dotted(clash.keys[0])}: {clash.message}" for clash in problems)
@@ -87,7 +85,7 @@ class Scene(SceneSections):
         """Return the whole scene as TOML; loading it gives an equal scene."""
         return to_toml(self)
 
-    def replace(self, **sections: Any) -> Scene:
+    def replace(self, **sections: Any) -> Self:
         """Return a validated copy with some values changed: `scene.replace(mesh={"preset": "paper"})`.
 
         A table is merged key by key; anything else (title, paths) is replaced. Paths take the place of a fan, too.
@@ -98,7 +96,7 @@ class Scene(SceneSections):
         for name, change in sections.items():
             merge = isinstance(change, dict) and isinstance(data.get(name, None), dict)
             data[name] = {**data[name], **change} if merge else change
-        return Scene.model_validate(data)
+        return self.model_validate(data)
 
     def _repr_html_(self) -> str:
         """Show the scene in a notebook."""

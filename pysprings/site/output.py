@@ -15,7 +15,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.core.text import one_line
 from pysprings.core.units import read, si_of
 from pysprings.core.words import ESTIMATES
-from pysprings.scene.profile_table import field_of
+from pysprings.scene.profile_table import field_of, read_layers
 from pysprings.scene.sections import BY_LAYER
 from pysprings.site.proposal import Proposal, Unit, Value
 
@@ -199,8 +199,6 @@ def write_table(rows: Sequence[Sequence[Any]], path: Path) -> None:
 
 def faults_of(path: Path) -> list[str]:
     """Return what `soil.profile` would refuse of a written table."""
-    from pysprings.scene.profile_table import read_layers
-
     try:
         read_layers(path)
     except UserInputError as error:

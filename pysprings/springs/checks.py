@@ -22,7 +22,6 @@ from pysprings.core.path_kinds import LOADS, MOTIONS, PAIRS, PARTS, PATH_KINDS, 
 from pysprings.core.storage import read_tree, write_tree
 from pysprings.core.text import MOST_LETTERS
 from pysprings.core.units import LARGEST, SMALLEST_AT_ALL, quoted
-from pysprings.core.variables import TORSION
 from pysprings.core.written import is_device
 from pysprings.springs.path import RecordedPath, SpacePath, paths_of, pure_of, rays_of, space_paths_of
 from pysprings.springs.path_ends import MARGIN, end_faults, is_number, text_of
@@ -282,7 +281,7 @@ _ROOT_ATTRS = (
     "Conventions", "title", "source", "history", "references", "pysprings_version", "scene_sha256", "scene_toml",
     "solver", "mesh_preset", "n_nodes", "n_elements", "status", "drainage", "outer_diameter_m", "skirt_length_m",
     "skirt_thickness_m", "vertical_load_N", "caisson_behaviour", "limit_displacement_over_diameter",
-    "limit_rotation_rad", TORSION, "defaulted", "remarks",
+    "limit_rotation_rad", variables.TORSION, "defaulted", "remarks",
 )  # fmt: skip
 _KEPT = (
     "depth_bounds", "p", "p_component", "m", "t", "y", "u", "w", "rotation", "H", "V", "M", "converged", "time",

@@ -7,13 +7,11 @@ A ray is a path from the origin that keeps its direction. A path and its mirror 
 so its angle is in (-pi/2, pi/2].
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -254,9 +252,9 @@ class SpringPath(RecordedPath):
             return found
         return before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN)
 
-    def at_steps(self, steps: Sequence[int]) -> SpringPath:
+    def at_steps(self, steps: Sequence[int]) -> Self:
         """Return the path with some of its converged steps alone, by number."""
-        return SpringPath(self.name, self.dataset.isel(step=list(steps)), self.length)
+        return type(self)(self.name, self.dataset.isel(step=list(steps)), self.length)
 
 
 def in_planes(values: Array, length: float, radius: float) -> Array:

@@ -24,7 +24,6 @@ from pysprings.springs import path_sets
 from pysprings.springs.checks import check_schema, validate_springs
 from pysprings.springs.path import SpacePath, SpringPath, is_rate, paths_of, pure_of, rays_of, space_paths_of
 from pysprings.springs.path_ends import PathEnd
-from pysprings.springs.path_sets import Between, LoadSet, RateSet
 
 SPREAD = "atlas"  # group of the standard deviation that springs of an atlas have
 _DIMS = ("mode", "ray", "knot")
@@ -239,7 +238,7 @@ class Springs:
         return float(known) if known is not None else self.path().load
 
     @cached_property
-    def load_sets(self) -> tuple[LoadSet, ...]:
+    def load_sets(self) -> tuple[path_sets.LoadSet, ...]:
         """Lateral calibration paths by vertical load, lightest first."""
         return path_sets.load_sets(self.lateral)
 
@@ -249,7 +248,7 @@ class Springs:
         return path_sets.nearest(self.load_sets, self.rest_load).paths if self.load_sets else ()
 
     @cached_property
-    def rate_sets(self) -> tuple[RateSet, ...]:
+    def rate_sets(self) -> tuple[path_sets.RateSet, ...]:
         """Lateral calibration paths by rate, slowest first; none where the springs do not depend on a rate."""
         return path_sets.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
 
@@ -336,7 +335,7 @@ class Springs:
         parts = tuple((each.at_load(V), share) for each, share in self.parts)
         return replace(self.with_paths(paths, **attrs), whole=self, every_rate=self.every_rate, parts=parts)
 
-    def _parts_at(self, mix: Between) -> tuple[tuple[Springs, float], ...]:
+    def _parts_at(self, mix: path_sets.Between) -> tuple[tuple[Springs, float], ...]:
         """Return the springs at two rates, each with its share."""
         return (self.at_rate(mix.first), 1.0 - mix.share), (self.at_rate(mix.second), mix.share)
 

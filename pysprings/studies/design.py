@@ -30,7 +30,6 @@ from pysprings.macro.vertical import build_vertical, covered, share_left
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import LOAD_CASES
 from pysprings.results.report import load_cases as text
-from pysprings.results.report.load_cases import OK
 from pysprings.results.sheets import write_sheet
 from pysprings.springs.path import SPACE_TURNS
 from pysprings.springs.springs import Springs
@@ -144,7 +143,7 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
     estimate of that verdict. Motions are blank where one estimate has no answer, utilisations where one has no
     capacity, bounds where one has none: the largest is not known.
     """
-    order = (OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)
+    order = (text.OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)
     all_rows, rows = [], []
     for k in range(len(next(iter(tables.values())))):
         own = {name: table.iloc[k].copy() for name, table in tables.items()}
@@ -351,7 +350,7 @@ def _verdict(row: dict[Any, Any]) -> str:
         return UNKNOWN
     if row["tilt_used"] > 1.0:
         return TILTED
-    return PARTLY if row["marks"] else OK
+    return PARTLY if row["marks"] else text.OK
 
 
 ENDINGS = (".csv", ".xlsx", ".html", ".png", ".svg")

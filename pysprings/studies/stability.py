@@ -4,8 +4,6 @@
 The cases are the paper's caisson with a few values far from usual.
 """
 
-from __future__ import annotations
-
 import time
 import tomllib
 import warnings
@@ -13,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from importlib.resources import files
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,10 +29,7 @@ from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION, new_figure, styled
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
-
+from pysprings.scene.model import Scene
 
 REACH = 20e-3  # m
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -70,7 +65,6 @@ class Case:
 
         Raises UserInputError or ValueError where the input is refused.
         """
-        from pysprings.scene.model import Scene
         from pysprings.scene.sections import PAPER, PAPER_SOIL
 
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"

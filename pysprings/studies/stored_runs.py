@@ -1,22 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Runs of a study, each kept in a folder of its own: which have ended, and how far all of them are (light)."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pysprings.core import version
 from pysprings.core.progress import Progress, duration
 from pysprings.core.written import keep, own_folder
 from pysprings.full_model.run_record import RunRecord, Status
+from pysprings.scene.model import Scene
 from pysprings.springs.checks import RESULT
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 RUNS = "runs"  # folder of the runs' folders
 _TAKEN_UP = 0.3  # a run whose first news is beyond this share has not come so far in this call

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What the page answers: the way to a load as `predict` has it, the largest loads around it, load cases as `design`."""
 
-from __future__ import annotations
-
 import base64
 import math
 import warnings
@@ -10,9 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from pysprings.cli.guard import explained
 from pysprings.cli.page.sources import ARM, Field, H, M, Source, Values, command_line
@@ -22,13 +22,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.errors import PyspringsError
 from pysprings.core.units import si_of
 from pysprings.macro.capacity import Capacities, capacities
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
-
-    from pysprings.macro.model import MacroModel
-
+from pysprings.macro.model import MacroModel
 
 DIRECTIONS = 24  # of the half plane of H and M/L; the other half mirrors them
 SHORT = 0.999  # of the largest load, up to which the curve goes on

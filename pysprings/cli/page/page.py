@@ -17,7 +17,6 @@ from typing import Any
 from dash import Dash, Input, Output, State, ctx, dcc, html, no_update
 
 from pysprings.cli.page import answers, figures
-from pysprings.cli.page.answers import Answer, Asker
 from pysprings.cli.page.sources import Field, H, RunSource, Source, Values, command_line
 from pysprings.core.errors import PyspringsError
 from pysprings.springs.checks import save_springs
@@ -107,7 +106,7 @@ class Page:
     """Answers to what is done on the page, one at a time: Matplotlib and NetCDF take no more."""
 
     def __init__(self, source: Source) -> None:
-        self.source, self.asker, self.alone = source, Asker(source), threading.Lock()
+        self.source, self.asker, self.alone = source, answers.Asker(source), threading.Lock()
         self.fields = (*source.fields, *source.load_fields)
         self.sliders = [each for each in self.fields if each.ends is not None]
 
@@ -172,7 +171,7 @@ def _number(value: Any) -> float | None:
     return None if value in (None, "") else float(value)
 
 
-def _end(answer: Answer, force: float | None) -> list[Any]:
+def _end(answer: answers.Answer, force: float | None) -> list[Any]:
     """Return the end of the slider of H [MN], the largest known load or H where that is more, and its step."""
     known = 0.0 if answer.largest is None else 1e-6 * abs(float(answer.largest.H[0]))
     end = float(f"{max(known if math.isfinite(known) else 0.0, force or 0.0):.2g}") or 1.0
@@ -180,14 +179,14 @@ def _end(answer: Answer, force: float | None) -> list[Any]:
     return [end, Field("H", "", "", None, (0.0, end)).step]
 
 
-def _numbers(answer: Answer, source: Source, values: Values) -> Any:
+def _numbers(answer: answers.Answer, source: Source, values: Values) -> Any:
     return [
         html.Div([html.Span(name), html.Strong(text, id=f"number-{name.replace(' ', '-')}")])
         for name, text in answers.numbers(answer, source, values)
     ]
 
 
-def _remarks(answer: Answer) -> Any:
+def _remarks(answer: answers.Answer) -> Any:
     return [html.P(text, className=kind) for kind, text in answers.remarks(answer)]
 
 
@@ -199,7 +198,7 @@ def _facts(source: Source, values: Values) -> Any:
     return html.Table(html.Tbody([html.Tr([html.Th(name, scope="row"), html.Td(text)]) for name, text in rows]))
 
 
-def _table(answer: Answer, source: Source, name: str | None) -> Any:
+def _table(answer: answers.Answer, source: Source, name: str | None) -> Any:
     """Return the answers to load cases, as `design` prints them, with its command."""
     from pysprings.results.report import load_cases
 

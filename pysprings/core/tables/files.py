@@ -6,8 +6,6 @@ number that can be read in two ways is no number, "1.5" beside decimal commas, a
 separator of the table has three digits behind it and may mean thousands.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import os
@@ -17,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import date, time, timedelta
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
@@ -40,7 +38,7 @@ class Unread(str):
     __slots__ = ("why",)
     why: str
 
-    def __new__(cls, text: str, why: str) -> Unread:
+    def __new__(cls, text: str, why: str) -> Self:
         """Return the text with the reason."""
         cell = super().__new__(cls, text)
         cell.why = why

@@ -5,14 +5,12 @@ Any unit of the same dimension is read. Tonnes and kilograms stand for the weigh
 a force is expected.
 """
 
-from __future__ import annotations
-
 import difflib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from pysprings.core.units import MEANING, QuantityError, quoted, unit_of, unit_of_column
 from pysprings.core.words import ESTIMATES
@@ -49,7 +47,7 @@ class Column:
     percent: float = 0.0
 
     @classmethod
-    def named(cls, name: str, names: Sequence[str] = ()) -> Column:
+    def named(cls, name: str, names: Sequence[str] = ()) -> Self:
         """Return a column of numbers whose name ends in its SI unit: "H_N"."""
         return cls(name, unit_of_column(name), tuple(names))
 

@@ -13,14 +13,12 @@ left out (the combination technique, Griebel, Schneider and Zenger 1992). One sh
 linear in them: sums of reactions remain the loads, a load its height, y(z) = u - rotation z.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -31,22 +29,18 @@ from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.core.variables import EXTRAPOLATED
+from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.accuracy.presets import FOURIER
+from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import COHESIVE, FRICTIONAL, ground_of_sections
+from pysprings.scene.model import Scene
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 from pysprings.springs.path_ends import MESH_ERROR, end_numbers
 from pysprings.springs.tip_zone import shares
-
-if TYPE_CHECKING:
-    from pysprings.core.progress import Progress
-    from pysprings.full_model.checkpoint import Checkpoints
-    from pysprings.scene.model import Scene
-
 
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
 ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
@@ -86,7 +80,7 @@ def extrapolated(
             harmonics = None if richer is None else _beside(path, more.get(name))
         except NotAlike as error:
             without[name] = str(error)
-        tree[f"paths/{name}/{EXTRAPOLATED}"] = xr.DataTree(_path(path, share, cells, harmonics))
+        tree[f"paths/{name}/{variables.EXTRAPOLATED}"] = xr.DataTree(_path(path, share, cells, harmonics))
     return tree, not_alike, without
 
 
@@ -132,7 +126,7 @@ def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     if at[-1] > known[-1] * (1.0 + _SAME) and not flat:
         raise NotAlike(f"it stopped on the coarser mesh at {100.0 * known[-1] / at[-1]:.0f} % of its way")
     at, found = np.minimum(at, known[-1]), {}
-    for name in (name for name in variables.GROUPS[EXTRAPOLATED] if name in own and name in other):
+    for name in (name for name in variables.GROUPS[variables.EXTRAPOLATED] if name in own and name in other):
         if name in ("p", "y"):
             continue
         found[name] = _between(known, other[name].transpose(*_axes(own, name)).values, at)
@@ -150,7 +144,7 @@ def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -
     whole = own.assign({name: found[name].transpose(*own[name].dims) for name in found})
     values = whole[list(found)].drop_vars(list(whole[list(found)].coords))
     values.attrs = end_numbers(whole)
-    return variables.attach(values, EXTRAPOLATED)
+    return variables.attach(values, variables.EXTRAPOLATED)
 
 
 def _way(path: xr.Dataset, length: float) -> Array:

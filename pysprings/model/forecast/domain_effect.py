@@ -8,20 +8,15 @@ the result a bound: see MARGIN. Stiffness that grows with depth is stiffened les
 not covered.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pysprings.core.units import show
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 TABLE = Path(__file__).with_name("domain_table.json")
 SIDES = ("roller", "fixed")

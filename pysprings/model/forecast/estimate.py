@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What a scene costs before it is run: counts from its own mesh, memory, disk and time from fitted laws."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +20,8 @@ from pysprings.model.fourier import BuiltFourier, build
 from pysprings.model.stages import fast_paths, scene_warnings
 from pysprings.scene.defaults import remarks
 from pysprings.scene.interface import adhesion_factor, uses_adhesion
+from pysprings.scene.model import Scene
 from pysprings.scene.soils.cyclic import CYCLIC
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 MOST_NAMED = 5  # load cases of a warning
 

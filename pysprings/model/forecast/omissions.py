@@ -7,23 +7,19 @@ measured with models that carry it. Idealisations (what no setting brings back) 
 could be counted.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 from fe_engine.linear.backends import available_backends
 from pysprings.model.forecast.resources import memory_bytes, size_of, steps_bytes
 from pysprings.model.forecast.run_time import PICTURE_SECONDS, seconds
 from pysprings.model.soil_laws import engine_laws
 from pysprings.scene.interface import holds_suction, uses_adhesion
+from pysprings.scene.model import Scene
 from pysprings.scene.sections import Soil
 from pysprings.scene.soils import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 COUNTS, LAWS, MEASURED = "counts of this mesh", "counts of this mesh and fitted laws", "measured on coarse meshes"
 
@@ -66,7 +62,7 @@ class _Load:
     water: bool
     symmetric: bool
 
-    def saves(self, scene: Scene, other: _Load) -> Saved:
+    def saves(self, scene: Scene, other: Self) -> Saved:
         """Return the saving of this load beside another one that carries more."""
         memory = memory_bytes(other.unknowns, other.water, other.symmetric)
         time = seconds(scene, other.unknowns, other.water, other.symmetric)

@@ -5,15 +5,12 @@ The laws of memory are fitted (see the constants); the refusal compares them wit
 machine's memory, or less under a control group or a limit of the shell.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -37,9 +34,7 @@ from pysprings.model.fourier_mesh import CaissonSection
 from pysprings.model.mesh import Counts, core_square, counted
 from pysprings.model.steel import make_steel_rings, patch, with_rings
 from pysprings.model.water import drained_corners, film_corners, fixed_film
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 # Fitted on the presets coarse, medium and paper (4,600 to 52,000 unknowns, 71,000 with water) with Pardiso on two
 # cores: entries of the LU factors; water has more of them for each unknown, and scaled copies of its matrix. Given

@@ -1,18 +1,12 @@
 # SPDX-License-Identifier: MIT
 """What a run takes: increments of its paths and wall time, from counts and step sizes alone, by fitted laws."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from fe_engine.linear.backends import available_backends
 from fe_engine.solve.stepping import fewest_increments
 from pysprings.model.stages import imposed_motion, path_stages
+from pysprings.scene.model import Scene
+from pysprings.scene.sections import Path
 from pysprings.scene.soils import SOIL_LAWS
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
-    from pysprings.scene.sections import Path
 
 # Drained, to 2.5 mm, CPU seconds with SuperLU and with Pardiso: `coarse` (4,631 unknowns) 11.9 and 4.1, `medium`
 # (13,863) 81.6 and 13.8; peak memory 0.45 and 0.38 GB, 1.08 and 0.59 GB. Power laws through both.

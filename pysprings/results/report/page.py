@@ -40,7 +40,6 @@ from pysprings.results.layout import Drawn, open_result, picture_kind, pictures_
 from pysprings.results.parts import converged
 from pysprings.results.report import inputs, load_cases, validity
 from pysprings.results.report.inputs import ReportData, ReportTable, Section
-from pysprings.results.report.load_cases import read_answers
 from pysprings.springs.path import paths_of
 from pysprings.springs.sums import by_depth
 from pysprings.springs.tip_zone import edge_rings
@@ -189,7 +188,7 @@ def write_report(
         compare = read_comparison(place / "compare.csv")
     run = RunRecord.read(place) if run is None else run
     files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
-    cases, live = read_answers(place), live_parts(result)
+    cases, live = load_cases.read_answers(place), live_parts(result)
     return write_text(render(result, springs, compare, run, files, cases, live), place / "report.html")
 
 

@@ -4,31 +4,28 @@
 The peak memory of a process is that of its run, and a lack of memory ends only it.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.core.progress import Progress
 from pysprings.core.workers import Task, Workers
 from pysprings.full_model.accuracy.presets import Setting
+from pysprings.full_model.run_record import RunRecord
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import seconds
+from pysprings.scene.model import Scene
 from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
-
-if TYPE_CHECKING:
-    from pysprings.core.progress import Progress
-    from pysprings.full_model.run_record import RunRecord
-    from pysprings.scene.model import Scene
 
 WARM_UP = "warm-up"
 _WARM_UP: dict[str, dict[str, Any]] = {
     "mesh": {"preset": "coarse", "refinement": 0.4, "azimuth": None},
     "solver": {"max_step_fraction": 0.5},
 }
+Run = Callable[[Scene, Path, Progress], None]
 _SHORT = 0.1  # of the reach: soil yields and contact slides there
 
 
@@ -119,9 +116,6 @@ def _warm_up(scene: Scene, kind: str, folder: Path, report: Progress, run: Run) 
     report(f"{WARM_UP}-{kind}", 0.0, "compiled code")
     _run(small, folder, lambda *_: None, run)
     report(f"{WARM_UP}-{kind}", 1.0, "")
-
-
-Run = Callable[["Scene", Path, "Progress"], None]
 
 
 def run_here(scene: Scene, folder: Path, progress: Progress) -> None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The whole study in a folder: runs, table, document, picture, tables for people."""
 
-from __future__ import annotations
-
 import math
 import os
 import platform
@@ -10,27 +8,24 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import pandas as pd
 
 from pysprings.core import version
 from pysprings.core.columns import Column, Table, records
 from pysprings.core.errors import following
+from pysprings.core.progress import Progress
 from pysprings.core.storage import remove_leftovers, write_text
 from pysprings.core.text import json_text
 from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import FOURIER, SCHEMA, Setting, cheapest_within
 from pysprings.full_model.accuracy.target import TARGETS
-from pysprings.studies.accuracy import rows, runs
-from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult
-from pysprings.studies.accuracy.runs import Run, run_in_child
+from pysprings.scene.model import Scene
+from pysprings.studies.accuracy import runs
+from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, assess, error_against_time
 from pysprings.studies.stored_runs import RUNS
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from pysprings.core.progress import Progress
-    from pysprings.scene.model import Scene
 
 _COSTS = (
     Column("setting", "name", words=True),
@@ -148,7 +143,7 @@ FILES = {
 
 def study(
     scene: Scene, out: Path, settings: Sequence[Setting], report: Progress, force: bool = False,
-    run: Run = run_in_child, formats: Sequence[str] = ("png",),
+    run: runs.Run = runs.run_in_child, formats: Sequence[str] = ("png",),
 ) -> StudyResult:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return what was found.
 
@@ -160,7 +155,7 @@ def study(
         if force:
             runs.forget_all(settings, out)
         ended = runs.run_all(scene, settings, out, report, run)
-        outcome = rows.assess(ended)
+        outcome = assess(ended)
         _write(out, scene, outcome, formats)
     return outcome
 
@@ -203,7 +198,6 @@ def _machine() -> str:
 
 def _write(out: Path, scene: Scene, outcome: StudyResult, formats: Sequence[str]) -> None:
     from pysprings.results.plots.files import redraw
-    from pysprings.studies.accuracy.rows import error_against_time
 
     write_text(outcome.table.to_csv(index=False, lineterminator="\n"), out / "accuracy.csv")
     write_text(json_text(to_json(scene, outcome), indent=1) + "\n", out / "accuracy.json")

@@ -5,26 +5,21 @@ Reactions by depth are net ones: they stand at the side "outside" and the compon
 rest stands at the tip. Loads are the sums of the reactions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.arrays import Array
-from pysprings.core.variables import EXTRAPOLATED
 from pysprings.core.version import __version__
+from pysprings.scene.model import Scene
 from pysprings.springs.checks import SCHEMA
 from pysprings.springs.springs import SPREAD
 from pysprings.studies.atlas.between import between
+from pysprings.studies.atlas.model import Atlas, Estimate
 from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
-    from pysprings.studies.atlas.model import Atlas, Estimate
 
 _NOTHING = 1e-9  # of rho: w that is rounding
 _CLOSE = 0.05  # share by which knots differ at the least
@@ -75,7 +70,7 @@ def mesh_words(atlas: Atlas) -> str:
 
 
 def _is_extrapolated(atlas: Atlas) -> bool:
-    return atlas.about.get("mesh", "").endswith(EXTRAPOLATED)
+    return atlas.about.get("mesh", "").endswith(variables.EXTRAPOLATED)
 
 
 def _mesh_error(atlas: Atlas, X: Array) -> Array:

@@ -29,7 +29,6 @@ from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.results.exporters.tables import IN_SPACE
 from pysprings.scene.model import Scene
-from pysprings.studies.capacity import plan
 from pysprings.studies.capacity.plan import PROBE, Direction, Group, Request
 from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
 
@@ -45,7 +44,7 @@ class Capacity:
     """
 
     scene: Scene
-    request: plan.Request
+    request: Request
     table: pd.DataFrame
     cases: pd.DataFrame | None
     remarks: tuple[str, ...]
@@ -71,7 +70,7 @@ class Criterion(StrEnum):
 class Point:
     """The largest load of a probe of the full model and its state (SI).
 
-    direction : of the load (`plan.Request.all_directions`).
+    direction : of the load (`Request.all_directions`).
     size : of the load [N] in the direction, R.
     H, V, M, T, u, w, rotation, twist : at the largest load, in the plane of H.
     rest_load : V [N] at the start; the vertical load of a probe is met to the tolerance of the solver.

@@ -31,7 +31,6 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, points
 from pysprings.studies.capacity.envelope import utilisation
-from pysprings.studies.capacity.points import Capacity, Point, along_load
 from pysprings.studies.stored_runs import RUNS
 
 _ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
@@ -69,7 +68,7 @@ def with_torsion(scene: Scene, request: plan.Request, cases: LoadCases) -> plan.
 def study(
     scene: Scene, out: Path, request: plan.Request, report: Progress, springs: MacroModel | None = None,
     cases: LoadCases | None = None, force: bool = False, formats: Sequence[str] = ("png",), jobs: int | None = 1,
-) -> Capacity:  # fmt: skip
+) -> points.Capacity:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return the capacities.
 
     springs : a model whose envelope stands beside that of the full model, instead of one from rays. force : have every
@@ -99,7 +98,7 @@ def study(
 def assess(
     scene: Scene, request: plan.Request, ended: Sequence[points.Ended], springs: MacroModel | None = None,
     cases: LoadCases | None = None,
-) -> Capacity:  # fmt: skip
+) -> points.Capacity:  # fmt: skip
     """Return the capacities of ended runs."""
     rows, remarks = [], []
     for group in dict.fromkeys(each.planned.group.name for each in ended):
@@ -121,7 +120,7 @@ def assess(
             rows.append(_row(each.planned, point, model) | {"V_N": load})
     table = pd.DataFrame(rows)
     used = None if cases is None or table.empty else utilisation(table, cases)
-    return Capacity(scene, request, table, used, tuple(remarks))
+    return points.Capacity(scene, request, table, used, tuple(remarks))
 
 
 def _load_of(ended: Iterable[points.Ended]) -> float:
@@ -157,7 +156,7 @@ def _is_short(path: SpringPath, scene: Scene) -> bool:
     return path.end.failed and moved < _ENOUGH
 
 
-def _row(planned: points.Planned, point: Point, model: MacroModel | None) -> dict[str, Any]:
+def _row(planned: points.Planned, point: points.Point, model: MacroModel | None) -> dict[str, Any]:
     """Return one row of the table."""
     a, b = point.direction
     row: dict[str, Any] = {
@@ -182,14 +181,14 @@ def _row(planned: points.Planned, point: Point, model: MacroModel | None) -> dic
     return row | _beside(point, model, planned.scene.caisson.outer_diameter) | {"run": planned.name}
 
 
-def _beside(point: Point, model: MacroModel | None, diameter: float) -> dict[str, Any]:
+def _beside(point: points.Point, model: MacroModel | None, diameter: float) -> dict[str, Any]:
     """Return the capacity of the macro-model in the direction of a point, and its difference where both are known.
 
     Springs have no capacity under torsion.
     """
     if model is None or point.direction[1]:
         return {"H_macro_N": np.nan, "M_macro_Nm": np.nan, "criterion_macro": "", "difference_pct": np.nan}
-    along = along_load(point.direction, diameter)[None, :2]
+    along = points.along_load(point.direction, diameter)[None, :2]
     found = capacities(model, along * point.size)
     kind, difference = str(found.kind[0]), 100.0 * (1.0 / float(found.utilisation[0]) - 1.0)
     return {
@@ -200,7 +199,7 @@ def _beside(point: Point, model: MacroModel | None, diameter: float) -> dict[str
     }
 
 
-def to_json(outcome: Capacity) -> dict[str, Any]:
+def to_json(outcome: points.Capacity) -> dict[str, Any]:
     """Return everything that was found, in SI; numbers that are not there are null."""
     return {
         "schema": SCHEMA,
@@ -214,11 +213,10 @@ def to_json(outcome: Capacity) -> dict[str, Any]:
     }
 
 
-def write(out: str | os.PathLike[str], outcome: Capacity, formats: Sequence[str] = ("png",)) -> None:
+def write(out: str | os.PathLike[str], outcome: points.Capacity, formats: Sequence[str] = ("png",)) -> None:
     """Write tables, picture and page of a study."""
     from pysprings.results.plots.files import redraw
     from pysprings.studies.capacity import picture
-    from pysprings.studies.capacity.picture import envelopes
 
     folder = Path(out)
     write_frame(outcome.table, folder / "capacity.csv")
@@ -230,6 +228,6 @@ def write(out: str | os.PathLike[str], outcome: Capacity, formats: Sequence[str]
     with following("the picture was"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         if len(outcome.table):
-            redraw(lambda: envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", formats)
+            redraw(lambda: picture.envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", formats)
     with following("the page was"):
         picture.write_page(folder, outcome)

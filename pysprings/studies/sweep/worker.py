@@ -24,6 +24,7 @@ from typing import Any
 from pysprings.core.errors import PyspringsError, ResourceError, RunIncomplete, UserInputError, shortened
 from pysprings.core.storage import write_text
 from pysprings.core.version import __version__
+from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.load import parse_scene
 from pysprings.studies.sweep.plan import DONE, FAILED, SCHEMA, SHORT, STOPPED
 
@@ -60,7 +61,12 @@ def client_of(place: Place) -> Iterator[Any]:
     """
     import dask
 
-    with dask.config.set({"distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1)}), _quiet():
+    settings = {
+        "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1),
+        "distributed.scheduler.allowed-failures": _DEATHS,
+        "distributed.admin.tick.limit": "1h",
+    }
+    with dask.config.set(settings), _quiet():
         if place.scheduler is None:
             with _local(place.jobs or cores()) as client:
                 yield client
@@ -71,19 +77,16 @@ def client_of(place: Place) -> Iterator[Any]:
 
 @contextmanager
 def _local(jobs: int) -> Iterator[Any]:
-    import dask
     import psutil
     from distributed import Client
 
-    memory = int(_SHARE * psutil.virtual_memory().total / jobs)
-    with dask.config.set({"distributed.scheduler.allowed-failures": _DEATHS, "distributed.admin.tick.limit": "1h"}):
-        cluster = _started(jobs, memory)
-        try:
-            with Client(cluster) as client:
-                yield client
-        finally:
-            with suppress(Exception):  # what is left of workers dies with this process
-                cluster.close(timeout=5)
+    cluster = _started(jobs, int(_SHARE * psutil.virtual_memory().total / jobs))
+    try:
+        with Client(cluster) as client:
+            yield client
+    finally:
+        with suppress(Exception):  # what is left of workers dies with this process
+            cluster.close(timeout=5)
 
 
 def _started(jobs: int, memory: int) -> Any:
@@ -186,8 +189,6 @@ def read_ended(folder: Path) -> Ended | None:
         ended = Ended(**json.loads((folder / ENDED).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
         return None
-    from pysprings.full_model.run_record import RunRecord
-
     return ended if ended.version == Ended.version and RunRecord.has_whole_results(folder) else None
 
 
@@ -235,7 +236,6 @@ def write_ended(folder: Path, ended: Ended) -> None:
 
 def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
     """Run the full model; return status, reason and the number of the scene."""
-    from pysprings.full_model.run_record import RunRecord
     from pysprings.results.folder import Writing, run_or_go_on
 
     scene = parse_scene(task.scene)

@@ -5,19 +5,15 @@ The reactions of a caisson to a motion rho along a ray are F h(X) times a functi
 F and X = ratio rho/D. h = X/(1 + X) takes the way from elasticity to failure out of what is interpolated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.scene.defaults import row_of, value_text
 from pysprings.scene.ground import in_layers
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene
 
 _TOLERANCE = 0.01  # share by which a value that scales may differ
 

@@ -11,21 +11,17 @@ total stress falls to the water pressure, so that gamma' D/su, su at half the sk
 lid and at the tip the contact holds (suction).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem
 from pysprings.scene.by_depth import ByDepth
+from pysprings.scene.model import Scene
 from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 
 def strength(scene: Scene) -> tuple[float, float]:

@@ -7,19 +7,14 @@ gamma' D. All cases of a study move by the same share of D, so that X is `STRETC
 stiffer neighbours.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem
+from pysprings.scene.model import Scene
 from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
-
-if TYPE_CHECKING:
-    from pysprings.scene.model import Scene
 
 STRETCH = 1000.0  # X over rho/D
 
