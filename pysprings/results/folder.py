@@ -204,10 +204,10 @@ class _Files(Sink):
         record, figures = computed.record, None
         if self.figures != "none":
             with meter.clock.phase("output: pictures"):
-                figures = _made(record, "pictures", lambda: self._draw(self.figures))
+                figures = self._made(record, "pictures", lambda: self._draw(self.figures), shows=True)
         meter.charge(record)  # the report shows the cost of everything but itself
         with meter.clock.phase("output: report"):
-            _made(record, "report", lambda: self._report(computed, figures or []))
+            self._made(record, "report", lambda: self._report(computed, figures or []), shows=True)
 
     def _draw(self, which: Figures) -> list[Path]:
         """Draw the pictures of the report, or all."""
@@ -264,14 +264,24 @@ class _Files(Sink):
         made = (source.comparison, source.springs) if self.has_springs else ()
         source.summary = record.summary = summary(source.result, record, *made)
 
-    def _made(self, record: RunRecord, name: str, make: Callable[[], T]) -> T | None:
-        """Return what ``make`` returns; None where it fails, which `finish` raises once all else is made.
+    def _made(self, record: RunRecord, name: str, make: Callable[[], T], shows: bool = False) -> T | None:
+        """Return what ``make`` returns; None where it fails, with the reason in the record, and after an interrupt.
 
-        An interrupt of the estimate costs no table, one of a table those that follow.
+        An interrupt of the estimate costs nothing but what ``shows`` the results, one of a table all that follows.
+        `finish` raises the errors of results once all else is made.
         """
-        found = _made(record, name, make, self.errors, self.stopped)
-        self.stopped |= record.not_made.get(name) == StopReason.INTERRUPTED
-        return found
+        try:
+            if self.stopped or (shows and StopReason.INTERRUPTED in record.not_made.values()):
+                raise KeyboardInterrupt
+            return make()
+        except KeyboardInterrupt:
+            self.stopped = True
+            record.not_made[name] = str(StopReason.INTERRUPTED)
+        except Exception as error:
+            record.not_made[name] = reason_of(error)
+            self.errors += [] if shows else [error]
+        record.summary = {**(record.summary or {}), "not made": record.left_to_make}
+        return None
 
     def _begin(self, computed: Computed) -> None:
         """Take up a result; files of an earlier one go."""
@@ -279,27 +289,6 @@ class _Files(Sink):
         remove_results(self.folder)
         remove_leftovers(self.folder, *(self.folder / name for name in own_folders()))
         self.source, self.kept, self.has_springs = Source(springs, computed.tree), computed.tree, springs is not None
-
-
-def _made(
-    record: RunRecord, name: str, make: Callable[[], T], errors: list[Exception] | None = None, stop: bool | None = None
-) -> T | None:
-    """Return what ``make`` returns; None where it fails, with the reason in the record, and where it is to stop.
-
-    Without ``stop`` any interrupt before stops it.
-    """
-    try:
-        if StopReason.INTERRUPTED in record.not_made.values() if stop is None else stop:
-            raise KeyboardInterrupt
-        return make()
-    except KeyboardInterrupt:
-        record.not_made[name] = str(StopReason.INTERRUPTED)
-    except Exception as error:
-        record.not_made[name] = reason_of(error)
-        if errors is not None:
-            errors.append(error)
-    record.summary = {**(record.summary or {}), "not made": record.left_to_make}
-    return None
 
 
 def _springs(result: xr.DataTree) -> xr.DataTree | None:

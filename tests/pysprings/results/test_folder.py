@@ -358,6 +358,16 @@ def test_a_file_that_fails_costs_no_other_and_ends_the_run_with_its_error(
     assert set(contents(out)) == set(run_files()) and read_record(out)["not_made"] == {}
 
 
+def test_an_interrupt_of_a_table_ends_all_that_follows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stops(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pysprings.results.folder, "write_frame", stops)
+    assert command("run", tiny.write(tiny.scene(), tmp_path / "caisson.toml"), "--out", tmp_path / "out").code == 130
+    missing = read_record(tmp_path / "out")["not_made"]
+    assert {"compare.csv", "summary", "report"} <= set(missing) and set(missing.values()) == {"interrupted"}
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="signals are different there")
 def test_ctrl_c_keeps_the_converged_steps(tmp_path: Path) -> None:
