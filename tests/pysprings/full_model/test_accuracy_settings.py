@@ -141,11 +141,11 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
 
 @pytest.mark.parametrize(("length", "load", "py"), [(3.9, 0.875, 1.4), (4.0, 0.35, 0.9), (6.0, 0.35, 0.9)])
 def test_clay_and_its_short_skirts_leave_more_of_the_difference(length: float, load: float, py: float) -> None:
-    """The shares that the scenes of data/evidence/error-estimates-clay.csv ask for."""
+    """The shares that the scenes of data/evidence/error-estimates-clay.csv and -sand.csv ask for."""
     clay = tiny.parsed(template_text("soft-clay")).replace(caisson={"outer_diameter": 8.0, "skirt_length": length})
     assert two_mesh.left_in(clay) == {"load_max": load, "rotation_max": 0.4, "py_rms": py}
     short = tiny.sand().replace(caisson={"skirt_length": 1.0})
-    assert two_mesh.left_in(short) == {"load_max": 0.35, "rotation_max": 0.4, "py_rms": 0.5}
+    assert two_mesh.left_in(short) == {"load_max": 0.35, "rotation_max": 0.4, "py_rms": 0.9}
 
 
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
@@ -351,11 +351,11 @@ def test_an_estimate_names_its_worst_path_and_where_the_companion_stopped() -> N
     scene = tiny.sand(mesh={"discretisation": "fourier", "harmonics": 3})
     with_estimate(scene, done, companions_of(scene, lambda *_, **__: coarse), breaks)
     found = done.record.error_estimate
-    assert found["worst_path"] == "pull"
+    assert found["worst_path"] == "shift"  # p-y of both meshes differs more there
     assert found["by_path"]["pull"]["load_pct"] == found["estimate_pct"]["load_max"]
     assert found["by_path"]["pull"]["load_pct"] > found["by_path"]["second"]["load_pct"]
     words = two_mesh.words(found)
-    assert "companion stopped on 1 of 4 paths: second (apex)" in words and "of path pull" in words
+    assert "companion stopped on 1 of 4 paths: second (apex)" in words and "p-y of path shift" in words
 
 
 def test_a_path_without_a_converged_state_is_left_out_of_an_estimate() -> None:
