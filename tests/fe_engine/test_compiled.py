@@ -228,4 +228,4 @@ def test_jitted_files_of_the_tool_stand_alone() -> None:
     for path in jitted:
         text = path.read_text(encoding="utf-8")
         imported = re.findall(r"^\s*(?:from|import) ((?:pysprings|fe_engine)\S*)", text, re.MULTILINE)
-        assert [name.rpartition(".")[2] for name in imported] == ["jit"], path
+        assert sorted({name.rpartition(".")[2] for name in imported} - {"arrays"}) == ["jit"], path  # arrays: types

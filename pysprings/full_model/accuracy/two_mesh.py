@@ -50,7 +50,7 @@ SAFETY = {BRICKS: 3.0, FOURIER: 2.0}
 ORDERS = {BRICKS: {LOAD: 1.715, PY: 1.988}, FOURIER: {LOAD: 1.711, PY: 2.0, STIFFNESS: 3.0}}
 # Shares of the difference of both meshes that extrapolation may leave. Of load and rotation in sand half of what orders
 # of 1.4 and 3 differ by; p(y) near the tip has no order that it keeps. The others are those that scenes ask for
-# (data/evidence/error-estimates-clay.csv, -sand.csv): more where the edge effect of the tip covers a skirt under SHORT D.
+# (data/evidence/error-estimates-clay.csv, -sand.csv): more where the tip's edge effect covers a skirt below SHORT D.
 SHORT = 0.5
 UNSURE = {
     "sand": {LOAD: 0.35, OTHER: 0.4, PY: 0.9},
