@@ -125,8 +125,9 @@ class PathRun:
         known, key = self.work.under_dead_load, (self.path.in_space, self.extra)
         if self._position is None and key in known:
             saved = deepcopy(known[key])
-            self.work.add(Gathered.of(saved).cost.of_solver)  # as if this path had run it, in whichever process
-            self._take_up(saved)
+            gathered = Gathered.of(saved)
+            self.work.add(gathered.cost.of_solver)  # as if this path had run it, in whichever process
+            self._take_up(gathered, Standing.of(saved))
         self._run_stage(dead_load_stage(self.extra, MOTIONS if self.path.in_space else DOFS))
         if key not in known:
             known[key] = replace(self._standing(), stage=0).saved(self.gathered())
@@ -257,11 +258,12 @@ class PathRun:
 
     def restore(self, saved: Saved) -> None:
         """Take up what a checkpoint holds: a path that has ended, or where one stood; count what it has cost."""
-        self.work.add(Gathered.of(saved).cost)
-        self._take_up(saved)
+        gathered = Gathered.of(saved)
+        self.work.add(gathered.cost)
+        self._take_up(gathered, Standing.of(saved))
 
-    def _take_up(self, saved: Saved) -> None:
-        gathered, standing, driver = Gathered.of(saved), Standing.of(saved), self.driver
+    def _take_up(self, gathered: Gathered, standing: Standing | None) -> None:
+        driver = self.driver
         self.collector.rows, self.collector.cavitation = gathered.rows, gathered.cavitation
         self.ending, self.limits = gathered.ending, gathered.limits
         driver.record, driver.given_up, driver.n_steps = gathered.record, gathered.given_up, gathered.n_steps

@@ -44,7 +44,7 @@ def test_every_case_is_a_scene_or_is_refused_with_a_line(case: Case) -> None:
     for section, values in case.changes.items():
         for key, value in values.items():
             assert has(changed[section]["layers" if key == "layer" else key], value), (
-                f"{section}.{key} is not what the catalogue says"
+                f"{section}.{key} is not what the catalogue has"
             )
 
 
