@@ -27,6 +27,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Integers, Marks, Texts
 from pysprings.core.loads import close_loads
+from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 from pysprings.macro.model import MacroModel
@@ -125,7 +126,12 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     added = answer.assign(
         utilisation=(known.dims, np.where(largest.kind == "", 0.0, largest.utilisation), known.attributes())
     )
-    return added.assign_attrs(largest.attributes()) if len(loads) else added
+    if not len(loads):
+        return added
+    found = largest.attributes()
+    if found.get("capacity_kind", NOT_KNOWN) != NOT_KNOWN and int(answer.get("off_load", np.zeros(1))[-1]):
+        found["capacity_from"] += f"; at V = {with_prefix(model.origin.load, 'N')} of the springs, not at this V"
+    return added.assign_attrs(found)
 
 
 def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation: Array) -> xr.Dataset:

@@ -255,7 +255,8 @@ def along_path(path: SpringPath, model: MacroModel, V: float | Array | None = No
     V: vertical load [N], one number or one a state; None: that of the springs.
     """
     control: Control = "displacement" if path.rules.free_head else "state"
-    answer = trace(model, control, np.stack([path.u, path.rotation], axis=1), path.arm, V)
+    arm = path.arm if path.rules.free_head else 0.0
+    answer = trace(model, control, np.stack([path.u, path.rotation], axis=1), arm, V)
     return answer.assign(u_at_load=("step", _at_load(path, model, answer.sizes["step"]), AT_LOAD))
 
 

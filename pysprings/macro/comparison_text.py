@@ -172,7 +172,7 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "errors": "(macro - full) / full in percent, at equal displacement",
         "u_error": "displacement at equal load (H and M of each state), macro / full - 1 in percent",
         "states_at_load": "states whose load the springs carry",
-        "rotation_point": "depth of the point of the axis at rest, -u/rotation, at the end; error_max: over all states",
+        "rotation_point": "depth of the point of the axis at rest, u/rotation, at the end; error_max: over all states",
         "skip_below": SKIP_BELOW,
         "V_error": "V at equal w, (macro - full) over the change of V from rest, in percent",
         "w_error_max": "largest distance of the vertical displacements, macro - full",

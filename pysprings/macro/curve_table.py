@@ -289,7 +289,8 @@ def pchip_slopes(q: Array, r: Array) -> Array:
     """Return slopes dr/dq (..., k) at the knots of shape-preserving cubics (Fritsch & Butland 1984).
 
     Inside: weighted harmonic mean of the neighbouring secants, 0 at a turning point. Ends: three-point
-    formula. Where |r| falls at the last knot, the slope there is 0: the curve is held flat beyond it.
+    formula; where that has the sign against a curve that goes on (steps that grow while it bends), no curvature there.
+    Where |r| falls at the last knot, the slope there is 0: the curve is held flat beyond it.
     """
     h = np.diff(q)
     secant = np.diff(r) / h
@@ -301,17 +302,17 @@ def pchip_slopes(q: Array, r: Array) -> Array:
     w1, w2 = 2.0 * h1 + h0, h1 + 2.0 * h0
     mean = w1 / np.where(same, s0, 1.0) + w2 / np.where(same, s1, 1.0)
     slopes[..., 1:-1] = np.where(same, (w1 + w2) / np.where(same, mean, 1.0), 0.0)
-    slopes[..., 0] = _end_slope(h[..., 0], h[..., 1], secant[..., 0], secant[..., 1])
-    slopes[..., -1] = _end_slope(h[..., -1], h[..., -2], secant[..., -1], secant[..., -2])
+    for end, next_ in ((0, 1), (-1, -2)):
+        slopes[..., end] = _end_slope(h[..., end], h[..., next_], secant[..., end], secant[..., next_], slopes[..., next_])
     slopes[..., -1] = np.where(slopes[..., -1] * r[..., -1] < 0.0, 0.0, slopes[..., -1])
     return slopes
 
 
-def _end_slope(h0: Array, h1: Array, s0: Array, s1: Array) -> Array:
-    """Return the three-point slope at an end, limited so that the curve stays monotonic."""
+def _end_slope(h0: Array, h1: Array, s0: Array, s1: Array, inner: Array) -> Array:
+    """Return the three-point slope at an end, limited so that the curve stays monotonic; inner: slope one knot on."""
     slope = ((2.0 * h0 + h1) * s0 - h0 * s1) / (h0 + h1)
     slope = np.where((s0 * s1 < 0.0) & (np.abs(slope) > 3.0 * np.abs(s0)), 3.0 * s0, slope)
-    return np.where(slope * s0 <= 0.0, 0.0, slope)
+    return np.where(slope * s0 <= 0.0, 0.5 * (3.0 * s0 - inner), slope)
 
 
 # What each companion family of a table holds.

@@ -291,7 +291,7 @@ class RowSprings(Response):
 
     def provenance(self) -> dict[str, Any]:
         """Return attributes on the path that the springs come from."""
-        arm, table = float(self.origin.attrs.get("arm_m", np.nan)), self.table
+        arm, table = self.origin.arm, self.table
         return ({"calibration_arm_m": arm} if np.isfinite(arm) else {}) | {
             "path": self.origin.name,
             "kind": self.origin.kind,

@@ -17,7 +17,7 @@ from pysprings.core.text import number
 from pysprings.core.words import ESTIMATES
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import FIGURES
-from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, moved
+from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, farthest, in_words, moved
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
@@ -78,8 +78,9 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
         rules = kind_of(next(iter(paths.values())).attrs)
         unit, factor = LOAD_UNITS[rules.load]
         end = min(float(moved(path[rules.drives].values)[-1]) for path in paths.values())
+        sign = np.sign(farthest(next(iter(paths.values()))[rules.drives].values))
         for at in (share * end for share in SHARES):
-            motion = f"{1e3 * at:.4g} {'mrad' if rules.drives == 'rotation' else 'mm'}"
+            motion = in_words(sign * at, rules.drives)
             values = {
                 each: factor * float(np.interp(at, *curve(path, rules.drives, rules.load)))
                 for each, path in paths.items()

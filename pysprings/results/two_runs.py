@@ -9,10 +9,9 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.arrays import Array
-from pysprings.core.path_kinds import kind_of
 from pysprings.core.text import number
 from pysprings.full_model.run_record import RunRecord
-from pysprings.springs.path import paths_of
+from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 
 POINTS = 200  # of the range that both paths have, where their loads are compared
 
@@ -43,11 +42,12 @@ def differences(first: Run, second: Run) -> list[Row]:
 
 
 def common_paths(first: Run, second: Run) -> list[str]:
-    """Return the names of the paths that both runs have, of the same kind, with more than the initial state."""
+    """Return the names of the paths in a plane that both runs have, of one kind and sense, beyond the initial state."""
     others = paths_of(second.result)
     return [
         name for name, path in paths_of(first.result).items()
         if name in others and path.kind == others[name].kind and min(path.n, others[name].n) > 1
+        and farthest(path[path.rules.drives]) * farthest(others[name][path.rules.drives]) > 0.0
     ]  # fmt: skip
 
 
@@ -99,26 +99,33 @@ def _stiffness(first: Run, second: Run) -> Iterator[Row]:
 
 
 def _paths(first: Run, second: Run) -> Iterator[Row]:
-    for name in common_paths(first, second):
+    common = common_paths(first, second)
+    kinds = [
+        {name: path.kind for name, path in (paths_of(run.result) | space_paths_of(run.result)).items()}
+        for run in (first, second)
+    ]
+    for name in (name for name in dict.fromkeys([*kinds[0], *kinds[1]]) if name not in common):
+        yield Row(f"path {name}", "not compared", *(each.get(name, "-") for each in kinds))
+    for name in common:
         a, b = (paths_of(each.result)[name] for each in (first, second))
-        yield from _along(f"path {name}", a.dataset, b.dataset)
+        yield from _along(f"path {name}", a, b)
         if a.end.failed or b.end.failed:
             yield Row(f"path {name}", "end", a.end.words, b.end.words)
 
 
-def _along(part: str, a: xr.Dataset, b: xr.Dataset) -> Iterator[Row]:
-    """Yield the loads of both at the end of what both have reached, and their largest difference up to there."""
-    rules = kind_of(a.attrs)
-    driver, load = rules.drives, rules.load
-    end = min(float(moved(each[driver].values)[-1]) for each in (a, b))
-    at = f"at {driver} = {1e3 * end:.4g} {'mrad' if driver == 'rotation' else 'mm'}"
-    quantities = [load] + [each for each in ("M", "rotation") if load == "H" and each in rules.answers]
+def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
+    """Yield the loads of both at the largest motion that both have reached, and their largest difference on the way."""
+    driver, load = a.rules.drives, a.rules.load
+    end = min(float(moved(each[driver])[-1]) for each in (a, b))
+    at = f"at {driver} = {in_words(np.copysign(end, farthest(a[driver])), driver)}"
+    quantities = [load] + [each for each in ("M", "rotation") if load == "H" and each in a.rules.answers]
     for quantity in quantities:
         unit, factor = LOAD_UNITS[quantity]
-        values = [factor * float(np.interp(end, *curve(each, driver, quantity))) for each in (a, b)]
+        values = [factor * float(np.interp(end, *curve(each.dataset, driver, quantity))) for each in (a, b)]
         yield _row(part, f"{quantity} {at} [{unit}]", *values)
-    grid = np.linspace(0.0, end, POINTS)
-    loads = [np.interp(grid, *curve(each, driver, load)) for each in (a, b)]
+    ways = [_way_come(each, a.length) for each in (a, b)]
+    grid = np.linspace(0.0, min(way[-1] for way in ways), POINTS)
+    loads = [np.interp(grid, *_growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True)]
     if size := float(np.abs(loads[0]).max()):
         largest = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
         yield Row(part, f"largest difference of {load}, in % of the largest", "", number(largest, 3))
@@ -132,11 +139,34 @@ def moved(values: Array) -> Array:
     return np.maximum.accumulate(np.abs(values - values[0]))
 
 
+def farthest(values: Array) -> float:
+    """Return the distance from the first value, with its sign, where it is largest."""
+    change = values - values[0]
+    return float(change[np.argmax(np.abs(change))])
+
+
+def in_words(motion: float, driver: str) -> str:
+    """Return words for a motion [m or rad]."""
+    return f"{1e3 * motion:.4g} {'mrad' if driver == 'rotation' else 'mm'}"
+
+
 def curve(path: xr.Dataset, driver: str, quantity: str) -> tuple[Array, Array]:
     """Return the motion from the initial state on, as it grows, and a quantity."""
-    x = moved(path[driver].values)
+    return _growing(moved(path[driver].values), path[quantity].values)
+
+
+def _growing(x: Array, values: Array) -> tuple[Array, Array]:
+    """Return a motion where it grows, and a quantity there."""
     grows = np.concatenate([[True], np.diff(x) > 0.0])
-    return x[grows], path[quantity].values[grows]
+    return x[grows], values[grows]
+
+
+def _way_come(path: RecordedPath, length: float) -> Array:
+    """Return the way come along a path, back and forth [m or rad]; with the rotation, times length, where it bends."""
+    driver = path[path.rules.drives]
+    steps = np.abs(np.diff(driver, prepend=driver[:1]))
+    turns = length * np.abs(np.diff(path.rotation, prepend=path.rotation[:1])) if path.bends else 0.0
+    return np.cumsum(steps + turns)
 
 
 def _row(part: str, quantity: str, first: float, second: float) -> Row:

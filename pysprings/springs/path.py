@@ -18,7 +18,18 @@ import xarray as xr
 
 from pysprings.core.arrays import Array
 from pysprings.core.loads import same_load
-from pysprings.core.path_kinds import LOADS, MEMORY, MOTIONS, PathKind, bends, driven, is_straight, kind_of, turns_back
+from pysprings.core.path_kinds import (
+    LOADS,
+    MEMORY,
+    MOTIONS,
+    PathKind,
+    bends,
+    driven,
+    has_free_head,
+    is_straight,
+    kind_of,
+    turns_back,
+)
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.springs.path_ends import MARGIN, PathEnd, before_cavitation, end_of
 from pysprings.springs.sums import by_depth, slice_heights
@@ -123,8 +134,8 @@ class RecordedPath:
 
     @property
     def arm(self) -> float:
-        """Height of the load above mudline [m]; NaN where it has none."""
-        return float(self.attrs["arm_m"])
+        """Height of the load above mudline [m]; NaN where it has none, as where the motion is imposed."""
+        return float(self.attrs["arm_m"]) if has_free_head(self.attrs) else math.nan
 
     @property
     def free_to_heave(self) -> bool:

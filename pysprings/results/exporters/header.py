@@ -138,8 +138,9 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
             f"V from {1e-3 * V[0]:.5g} to {1e-3 * V[-1]:.5g} kN; out of balance by "
             f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation.{ended}"
         )
+    height = f"load {path.arm:g} m above mudline, " if np.isfinite(path.arm) else ""
     return (
-        f"{drainage} {path.kind}, load {path.attrs['arm_m']:g} m above mudline, "
+        f"{drainage} {path.kind}, {height}"
         f"{path.attrs['role']}, {path.attrs['status']}: |u| to {1e3 * u:.4g} mm, "
         f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path.load:.5g} kN; "
         f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "

@@ -9,10 +9,11 @@ import pytest
 
 from pysprings.cli.predictions import capacity
 from pysprings.core.errors import BeyondSprings
+from pysprings.core.text import with_prefix
 from pysprings.core.words import NOT_KNOWN
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.capacity import capacities
-from pysprings.macro.predict import MacroModel, curve, predict
+from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict
 from pysprings.results.tables import open_table
 from tests.support.closed_forms import bilinear_springs
 from tests.support.commands import command
@@ -158,3 +159,6 @@ def test_a_vertical_load_near_that_of_the_springs_takes_its_part_of_the_largest_
     assert alone.source[0].endswith("of which this V may leave less: no path leads to it")
     far = capacities(model, load, 0.5 * REST)  # marked
     assert float(far.H[0]) == float(own.H[0]) or far.kind[0] == NOT_KNOWN
+    with pytest.warns(MacroWarning, match="lateral springs unchanged"):
+        answer = predict(model, H=2e5, M=4e5, V=1.5 * REST)
+    assert answer.attrs["capacity_from"].endswith(f"; at V = {with_prefix(REST, 'N')} of the springs, not at this V")

@@ -14,6 +14,7 @@ from pysprings.core import variables
 from pysprings.core.errors import BeyondSprings, RunIncomplete, UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
+from pysprings.macro.curve_table import pchip_slopes
 from pysprings.macro.predict import MacroModel, MacroWarning, PredictionNotConverged, curve, impose, predict, sequence
 from pysprings.macro.stiffness import stiffness
 from tests.support.closed_forms import (
@@ -98,6 +99,22 @@ def test_interpolation_is_scipys_pchip():
     states = np.stack([at, np.zeros_like(at)], 1) if depth == 0 else np.stack([0 * at, -at / depth], 1)
     answer = trace(model, "state", states)
     np.testing.assert_allclose(answer["p"].values[row], scipy_curve(at), rtol=1e-10, atol=1e-6)
+
+
+def test_a_curve_of_few_points_that_still_grows_goes_on_growing():
+    """Points 1 and 10 mm, 200 and 400 kN/m: the last slope has their sign, so the springs end, and are no limit load.
+
+    The curve has no curvature at its end; SciPy's is flat there.
+    """
+    q, r = np.array([0.0, 1e-3, 1e-2]), np.array([0.0, 200e3, 400e3])
+    assert PchipInterpolator(q, r).derivative()(q[-1]) == pytest.approx(0.0, abs=1.0)
+    inner, last = pchip_slopes(q, r)[1:]
+    assert last == pytest.approx(0.5 * (3.0 * (r[2] - r[1]) / (q[2] - q[1]) - inner)) and 0.0 < last < inner
+    assert pchip_slopes(q, -r) == pytest.approx(-pchip_slopes(q, r))
+    u = q[:, None] * np.ones(RINGS)
+    springs = springs_of(np.tile(r, (RINGS, 1)), np.zeros((RINGS, 1)), {}, u[:, 0], 0.0 * q)
+    answer = predict(springs, H=0.5 * r[-1] * LENGTH, arm=-0.5 * LENGTH, springs_kind="py")
+    assert answer.attrs["capacity_kind"] == "end of the range"
 
 
 @pytest.mark.parametrize("arm", [0.0, 2.0, 8.0])

@@ -12,8 +12,10 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
+from pysprings.results.exporters.header import range_of_path
 from pysprings.results.exporters.xlsx import plain_names
 from pysprings.results.report.load_cases import spring_tables
+from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import reslice
 from tests.support import written
 from tests.support.fans import fan_springs, potential
@@ -187,6 +189,15 @@ def test_charts_point_at_the_data(folder):
     place = py.yVal.numRef.f.split("$")[1]
     assert book["p-y"][f"{place}3"].value == "p net [kN/m]"
     assert f"{book['p-y'][f'{place}1'].value:.2f} m" == py.tx.v
+
+
+def test_only_a_path_with_a_free_head_has_a_height_of_the_load():
+    """The file has `arm_m` 0 where u and rotation are imposed: no table calls that a load at mudline."""
+    tree = make_springs((Path(arm=2.0), Path("slide", "translation")))
+    words = {name: range_of_path("drained", path) for name, path in Springs.of(tree).paths.items()}
+    assert "pull, load 2 m above mudline, " in words["pull"] and "mudline" not in words["slide"]
+    height = compare(tree, "py").set_index("path")["arm_m"]
+    assert height["pull"] == 2.0 and np.isnan(height["slide"])
 
 
 def test_json(springs):

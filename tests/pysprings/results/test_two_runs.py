@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.full_model.run_record import RunRecord
 from pysprings.results.folder import run_to_folder
+from pysprings.results.layout import open_result
+from pysprings.results.two_runs import Run, differences
 from tests.support import tiny
 from tests.support.commands import command
 
@@ -22,7 +25,10 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
         soil = {"yield_surface": "elastic", "young_modulus": modulus}
         contact = {"normal_stiffness": 100.0 * modulus, "shear_stiffness": 100.0 * modulus, "friction_coefficient": 5.0}
         pull = {**tiny.PULL, "lateral_displacement": 1e-5}
-        made.append(run_to_folder(tiny.scene(soil=soil, interface=contact, paths=(pull,)), place / name))
+        back = {**pull, "name": "back", "then": ["0 mm"], "role": "held-back"}
+        up = {"name": "up", "kind": "vertical", "vertical_displacement": -1e-5}
+        paths = (pull, back, up) if name == "soft" else (pull, back, up, {**pull, "name": "alone"})
+        made.append(run_to_folder(tiny.scene(soil=soil, interface=contact, paths=paths), place / name))
     return made[0], made[1]
 
 
@@ -37,7 +43,8 @@ def test_the_numbers_of_both(folders: tuple[Path, Path]) -> None:
     made = rows(*folders)
     young = made["scene: soil.young_modulus"]
     assert (young["first"], young["second"]) == ("100 MPa", "110 MPa")
-    assert {name for name in made if name.startswith("scene: ")} == {
+    own = {name for name in made if name.startswith("scene: ") and not name.startswith("scene: path.alone")}
+    assert own == {
         f"scene: {key}" for key in ("soil.young_modulus", "interface.normal_stiffness", "interface.shear_stiffness")
     }
     for name in ("H per u [MN/m]", "M per rotation [MN m/rad]", "V per w [MN/m]"):
@@ -51,6 +58,25 @@ def test_the_numbers_of_both(folders: tuple[Path, Path]) -> None:
     )
 
 
+def test_what_goes_up_has_its_sign_and_what_is_not_compared_is_named(folders: tuple[Path, Path]) -> None:
+    made = rows(*folders)
+    assert made["path up: V at w = -0.01 mm [kN]"]["change"] < 0.0
+    assert [name for name in made if "not compared" in name] == ["path alone: not compared"]
+    assert [made["path alone: not compared"][each] for each in ("first", "second")] == ["-", "pull"]
+
+
+def test_a_difference_on_the_way_back_counts(folders: tuple[Path, Path]) -> None:
+    """Of two runs that are alike but for the last load of a path that turns back: that load is the difference."""
+    first, changed = (open_result(folders[0]) for _ in range(2))
+    H = changed["paths/back"]["H"].values
+    largest = np.abs(H).max()
+    assert np.argmax(np.abs(H)) < H.size - 1
+    H[-1] += 0.25 * largest
+    found = differences(*(Run(name, tree, RunRecord()) for name, tree in (("a", first), ("b", changed))))
+    row = next(each for each in found if each.part == "path back" and each.quantity.startswith("largest difference"))
+    assert float(row.second) == pytest.approx(25.0, abs=0.5)
+
+
 def test_a_run_beside_itself_and_what_is_no_run(folders: tuple[Path, Path], tmp_path: Path) -> None:
     made = rows(folders[0], folders[0])
     assert not [name for name in made if name.startswith("scene: ")]
@@ -62,13 +88,11 @@ def test_a_run_beside_itself_and_what_is_no_run(folders: tuple[Path, Path], tmp_
 
 def test_the_picture_has_the_curves_of_both(folders: tuple[Path, Path], tmp_path: Path) -> None:
     from pysprings.core.storage import read_tree
-    from pysprings.full_model.run_record import RunRecord
     from pysprings.results.plots.comparison import overlay
-    from pysprings.results.two_runs import Run
     from pysprings.springs.path import paths_of
 
     done = command("diff", *folders, "--out", tmp_path / "both")
-    assert done.out.splitlines()[-1] == str(tmp_path / "both" / "pull.png")
+    assert done.out.splitlines()[-1] == str(tmp_path / "both" / "up.png")
     assert (tmp_path / "both" / "pull.png").stat().st_size > 10_000
     runs = [Run(each.name, read_tree(each / "full_model.nc"), RunRecord()) for each in folders]
     load, rotation, springs = overlay({each.name: paths_of(each.result)["pull"].dataset for each in runs}, "pull").axes

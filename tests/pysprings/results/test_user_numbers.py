@@ -407,10 +407,11 @@ def test_columns_of_compare_csv(folder: Path) -> None:
     apart = [abs(a - b) for a, b in zip(both[0][1], both[1][1], strict=True)]
     close(own["eta_small"], 1.0 - area_under(grid, apart) / area_under(grid, [abs(v) for v in both[0][1]]), 1.0)
     close(own["small_at"], small)
-    known = {"role": "calibration", "kind": "translation", "arm_m": 0.0, "springs_from": "slide", "status": "complete",
+    known = {"role": "calibration", "kind": "translation", "springs_from": "slide", "status": "complete",
              "states": STEPS - 2, "skip_below": 0.01, "depths": len(rc.depths()), "extrapolated_states": 0,
              "off_path_states": 0, "off_load_states": 0}  # fmt: skip
     assert {key: own[key] for key in known} == known
+    assert np.isnan(own["arm_m"])  # an imposed motion has no height of the load
     close(own["V_N"], raw("slide", 0)["total"]["V"], 1e6)
     close([own["u_end_full_m"], own["u_end_macro_m"]], [x[-1], x[-1]], 1e-3)
     assert np.isnan(own["rotation_point_full_m"]) and np.isnan(own["rotation_error_max_pct"])
