@@ -303,7 +303,9 @@ def pchip_slopes(q: Array, r: Array) -> Array:
     mean = w1 / np.where(same, s0, 1.0) + w2 / np.where(same, s1, 1.0)
     slopes[..., 1:-1] = np.where(same, (w1 + w2) / np.where(same, mean, 1.0), 0.0)
     for end, next_ in ((0, 1), (-1, -2)):
-        slopes[..., end] = _end_slope(h[..., end], h[..., next_], secant[..., end], secant[..., next_], slopes[..., next_])
+        slopes[..., end] = _end_slope(
+            h[..., end], h[..., next_], secant[..., end], secant[..., next_], slopes[..., next_]
+        )
     slopes[..., -1] = np.where(slopes[..., -1] * r[..., -1] < 0.0, 0.0, slopes[..., -1])
     return slopes
 

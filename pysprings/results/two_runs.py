@@ -105,7 +105,7 @@ def _paths(first: Run, second: Run) -> Iterator[Row]:
         for run in (first, second)
     ]
     for name in (name for name in dict.fromkeys([*kinds[0], *kinds[1]]) if name not in common):
-        yield Row(f"path {name}", "not compared", *(each.get(name, "-") for each in kinds))
+        yield Row(f"path {name}", "not compared", kinds[0].get(name, "-"), kinds[1].get(name, "-"))
     for name in common:
         a, b = (paths_of(each.result)[name] for each in (first, second))
         yield from _along(f"path {name}", a, b)
