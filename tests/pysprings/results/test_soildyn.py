@@ -184,6 +184,28 @@ def test_marks_are_in_the_state_and_beyond_the_range_warns_once(
     assert capfd.readouterr().out.count("warning: springs: beyond the calibrated range (1.5 laterally") == 1
 
 
+def test_a_motion_between_rays_too_far_apart_is_marked_as_predict_does(
+    point_on: PointOn, source: Source, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Of a fan without the rays below 0 degrees: from there to -90, that at 90; and said once."""
+    springs, angles = source.springs.copy(deep=True), [-80.0, -45.0, -10.0, 0.0, 10.0, 100.0, 135.0, 180.0]
+    model = MacroModel.from_springs(springs)
+    for name, ray in zip(model.table.path, np.degrees(model.table.angle), strict=True):
+        if -85.0 < ray < -5.0 or 95.0 < ray < 175.0:
+            del springs["paths"][name]
+    model = MacroModel.from_springs(springs)
+    point, marked = point_on(model), []
+    for angle in np.radians(angles):
+        u, rotation = 1e-3 * np.cos(angle), 1e-3 * np.sin(angle) / model.length
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", MacroWarning)
+            marked.append(int(impose(model, u=u, rotation=rotation)["off_path"]))
+        point.forces(motion(u, rotation, 0.0, 0.3))
+        assert point.state.ravel()[4] == marked[-1], angle
+    assert 0 < sum(marked) < len(marked)
+    assert capfd.readouterr().out.count("between load paths more than 60 degrees apart") == 1
+
+
 def test_beyond_what_the_full_model_carried_it_stops(
     point_on: PointOn, source: Source, capfd: pytest.CaptureFixture[str]
 ) -> None:

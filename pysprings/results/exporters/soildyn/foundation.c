@@ -26,7 +26,7 @@
 enum { INITIALISE = 1, FORCE = 2, STIFFNESS = 3 };
 /* Above 6, the largest code of SoilDyn's own texts: OpenFAST stops, and the text of this library stands before. */
 enum { NO_FILE = 101, BAD_FILE = 102, NO_STATE = 103, BEYOND = 104, BAD_TASK = 105, BAD_MOTION = 106 };
-enum { WARNED_RANGE = 1, WARNED_WAY = 2, WARNED_LOAD = 4 };  /* in S_WARNED */
+enum { WARNED_RANGE = 1, WARNED_WAY = 2, WARNED_LOAD = 4, WARNED_PATH = 8 };  /* in S_WARNED */
 
 static void say(const char *kind, const char *name, int line, const char *text) {
   if (line) printf("\npysprings SoilDyn library: %s: %s, line %d: %s\n", kind, name, line, text);
@@ -79,6 +79,7 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
   state[S_USED] = answer.used;
   state[S_USED_VERTICAL] = answer.used_vertical;
   state[S_OFF_LOAD] = (double)answer.off_load;
+  state[S_OFF_PATH] = (double)answer.off_path;
   if (answer.beyond) {
     say("fatal", "springs", 0, answer.beyond);
     return BEYOND;
@@ -94,6 +95,9 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
   if (answer.off_load && is_new(state, WARNED_LOAD))
     say("warning", "springs", 0,
         "the vertical load is not that of the lateral springs, or near its capacity: H and M are those at theirs");
+  if (answer.off_path && is_new(state, WARNED_PATH))
+    say("warning", "springs", 0,
+        "the motion is between load paths more than 60 degrees apart in (u, rotation L): reactions there are not calibrated");
   return 0;
 }
 

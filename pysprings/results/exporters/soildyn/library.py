@@ -65,7 +65,7 @@ def _outputs(points: int) -> list[str]:
 VERSION = 7
 PROPS, STATES = 20000, 1200  # numbers that SoilDyn keeps for a point, and of its state
 _SCALARS, _RAY_HEAD, _COLUMNS, _BRANCH_HEAD, _BRANCH = 25, 3, 9, 2, 3  # of `springs.h`
-_STATE_HEAD = 10
+_STATE_HEAD = 11
 _BETWEEN = (
     "springs with memory between two vertical loads or rates have elements of both, and SoilDyn keeps a state for "
     "those of one: give the V or rate of one"

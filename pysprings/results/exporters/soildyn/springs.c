@@ -27,6 +27,7 @@
 
 #define ORIGIN 1e-12     /* m: nearer than this the caisson is at rest */
 #define STRAIGHT 1e-3    /* rad: nearer than this to a ray its own range counts */
+#define WIDEST (PI / 3)  /* rad: rays farther apart do not cover what is between them, as pysprings.macro.fan */
 #define MEAN 8           /* directions of the mean secant stiffness, over half a turn */
 #define BISECTIONS 60
 #define SAME 1e-3        /* share by which vertical loads differ that are one, as pysprings.core.loads */
@@ -35,7 +36,7 @@
 #define FLAT 1e-3        /* share of the initial stiffness below which the last step of a vertical curve carries no more */
 
 typedef struct { const double *knots[4]; int count[4], failed[4]; double sign[4], weight[4], mean[4], t, gap; } Sector;
-typedef struct { double H, M, w, V, used; int failed; } Loads;
+typedef struct { double H, M, w, V, used; int failed, off; } Loads;
 
 /* --- curves --- */
 
@@ -113,6 +114,7 @@ static void support(const Sector *s, double rho, Loads *out) {
   range = reach(s, 1) < reach(s, 2) ? reach(s, 1) : reach(s, 2);
   if (on_ray) range = reach(s, own);
   out->used = rho / range;
+  out->off = !on_ray && s->gap > WIDEST + SLACK;
   out->failed = 0;
   for (k = 1; k <= 2; k++)
     if (s->failed[k] && rho > reach(s, k) * (1.0 + SLACK) && (!on_ray || k == own)) out->failed = 1;
@@ -162,6 +164,7 @@ static void add_secant(const double *P, double rho, double phi, double share, do
       sum->w += share * one.w;
       sum->V += share * one.V;
       sum->failed |= one.failed;
+      sum->off |= one.off;
       if (one.used > sum->used) sum->used = one.used;
     }
   }
@@ -171,13 +174,15 @@ static void add_secant(const double *P, double rho, double phi, double share, do
 static void secant(const double *P, const double a[2], const double b[2], double S[2][2], Loads *sum) {
   double aa = a[0] * a[0] + a[1] * a[1], bb = b[0] * b[0] + b[1] * b[1], ab = a[0] * b[0] + a[1] * b[1];
   double rho = sqrt(aa + bb), plane = 0.0;
-  int k;
+  int k, off;
   memset(S, 0, 4 * sizeof(double));
   memset(sum, 0, sizeof *sum);
   if (rho > ORIGIN) plane = sqrt((aa - bb) * (aa - bb) + 4.0 * ab * ab) / (rho * rho);
   if (1.0 - plane < 1e-12) plane = 1.0;
   if (plane > 0.0) add_secant(P, rho, 0.5 * atan2(2.0 * ab, aa - bb), plane, S, sum);
+  off = sum->off; /* the mean is over all directions */
   for (k = 0; k < MEAN && plane < 1.0; k++) add_secant(P, rho, PI * k / MEAN, (1.0 - plane) / MEAN, S, sum);
+  sum->off = off;
 }
 
 /* --- vertical springs: see pysprings.macro.vertical --- */
@@ -302,7 +307,8 @@ void pysprings_forces(const double *P, double *state, const double d[6], Answer 
   out->force[0] = Ha[0];
   out->force[1] = Ha[1];
   out->force[2] = P[P_OFFSET] - vertical(P, w, &lateral, out);
-  if (a[0] == 0.0 && a[1] == 0.0 && b[0] == 0.0 && b[1] == 0.0) out->off_load = 0;
+  out->off_path = lateral.off;
+  if (a[0] == 0.0 && a[1] == 0.0 && b[0] == 0.0 && b[1] == 0.0) out->off_load = out->off_path = 0;
   out->force[3] = -Mb[1];
   out->force[4] = Mb[0];
   out->force[5] = P[P_TORSION] * d[5] + P[P_RADIUS] * F[4];

@@ -28,11 +28,11 @@ enum {
 enum { RAY_HEAD = 3, LOAD_H = 1, LOAD_M = 3, HEAVE = 5, LOAD_V = 7, COLUMNS = 9, BRANCH_HEAD = 2, BRANCH = 3 };
 enum { TOWARDS = 10, SETTLING = 13, ELEMENT = 17, MOTIONS = 5 };
 /* StVar: marks of the last state, the way and the motion of the elements, then their own numbers. */
-enum { S_USED, S_USED_VERTICAL, S_WARNED, S_OFF_LOAD, S_WAY, S_MOTION, S_FIRST = S_MOTION + MOTIONS };
+enum { S_USED, S_USED_VERTICAL, S_WARNED, S_OFF_LOAD, S_OFF_PATH, S_WAY, S_MOTION, S_FIRST = S_MOTION + MOTIONS };
 
-/* Forces on the soil; shares of the calibrated ranges; whether V is not covered by the lateral springs; what the springs have
- * no answer for (NULL: nothing). */
-typedef struct { double force[6], used, used_vertical; int off_load; const char *beyond; } Answer;
+/* Forces on the soil; shares of the calibrated ranges; whether V is not covered by the lateral springs, and whether the motion
+ * is between rays too far apart; what the springs have no answer for (NULL: nothing). */
+typedef struct { double force[6], used, used_vertical; int off_load, off_path; const char *beyond; } Answer;
 
 /* A spring file that is read: its name, the present line, and why it was refused. */
 typedef struct { FILE *file; char name[NAME + 1], text[LINE]; int line; const char *why; } Reader;
