@@ -11,6 +11,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
+from pysprings.core.loads import same_loads
 from pysprings.macro.capacity import past_ends
 from pysprings.macro.model import MacroModel
 from pysprings.macro.response import Support
@@ -114,7 +115,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
     values["turned_back"] = turned.back.astype(np.int8)
-    values |= _where_known(support, turned) | _mesh_errors(model, states)
+    values |= _where_known(support, turned) | _mesh_errors(model, states, down.values.get("V"))
     values["beyond_end"] = past.astype(np.int8)
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
@@ -144,12 +145,20 @@ def _where_known(support: Support, turned: Turns) -> dict[str, Array]:
     return values
 
 
-def _mesh_errors(model: MacroModel, states: Array) -> dict[str, Array]:
-    """Return the error of the mesh by step: the largest of the paths beside each state; nothing where none has one."""
+def _mesh_errors(model: MacroModel, states: Array, V: Array | None) -> dict[str, Array]:
+    """Return the error of the mesh by step: the largest of the paths beside each state; nothing where none has one.
+
+    Where a vertical load V (n,) [N] alone acts it is that of the vertical path in its direction.
+    """
     known = {name: end.mesh_error for name, end in model.ends.items()}
     if not np.isfinite(list(known.values())).any():
         return {}
     beside = model.response.paths_at(states)
+    if V is not None and model.vertical is not None:
+        rest = model.vertical.rest[1]
+        for k in np.flatnonzero(~states.any(axis=1) & ~same_loads(V, rest)):
+            branch = model.vertical.branch(V[k] - rest)
+            beside[k] = [] if branch is None else [branch.path]
     return {MESH_ERROR: np.array([max((known[name] for name in names), default=np.nan) for names in beside])}
 
 
