@@ -109,6 +109,7 @@ class Comparison:
         space = compare_in_space(self.springs) if self.springs_kind in (None, MEMORY) else frame[:0]
         frame = frame if space.empty else pd.concat([frame, space], ignore_index=True)
         frame.attrs = {key: self.springs.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")}
+        frame.attrs |= {"reference": self.springs.reference}
         return frame
 
     def along(self, path: SpringPath) -> dict[str, xr.Dataset]:

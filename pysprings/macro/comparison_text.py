@@ -91,6 +91,8 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
     ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
     further = (_VERTICAL_NOTES if vertical else []) + ([SPACE_NOTE] if "T_error_max_pct" in frame else [])
     notes = _NOTES[:1] if brief else _NOTES + further
+    reference = str(frame.attrs.get("reference", FULL_MODEL))
+    notes = [f"full model: {reference}, none of this caisson"] * (reference != FULL_MODEL) + notes
     return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
 
 
@@ -157,6 +159,7 @@ _VERTICAL_NOTES = [
     "vertical = vertical springs t(w), V_tip(w), V_lid(w) of the vertical calibration paths",
 ]
 
+FULL_MODEL = "the full model"
 SPACE_NOTE = (
     "paths out of one plane, answered by springs with memory in space: H, M/L as vectors at the motions of the full "
     "model, over the largest (H, M/L) of the path; T/R over the largest load; p as vectors by depth; u and rotation L "

@@ -35,7 +35,6 @@ APART = (
     "curves of a table act apart from each other, as in a beam program: how far that is from a full model is not known "
     "here (a table of `springs --for beam` states its error in its first lines)"
 )
-OF_ATLAS = "springs of the {} ({} full models), not of a full model of this caisson; deviations are standard ones"
 NO_ENDS = "springs of an earlier version: how their paths ended is not known, loads beyond a limit load are not refused"
 
 
@@ -210,10 +209,7 @@ def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapp
     if (loads := springs.blended_loads) and not close_loads(np.array(loads), response.origin.load).any():
         span = " and ".join(number(1e-6 * V) for V in loads)
         yield f"V is between the springs at {span} MN, more than 10 % from both: interpolated"
-    if springs.of_atlas:
-        yield OF_ATLAS.format(springs.attrs["source"], springs.attrs.get("atlas_cases", "?"))
-        if mesh := str(springs.attrs.get("atlas_mesh", "")):
-            yield mesh
+    yield from springs.atlas_words
     if springs.of_full_model and any(ends[name].how == UNKNOWN for name in response.sources):
         yield NO_ENDS
 

@@ -6,6 +6,7 @@ whatever spring set predicts. At a state it is that of the springs. The secant i
 straight way from rest to the state, so that it times the motion is the load.
 """
 
+from collections.abc import Mapping
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
@@ -127,11 +128,17 @@ def initial(springs: AnySprings | MacroModel, asking: Asking | None = None) -> t
 def _known(springs: AnySprings | MacroModel) -> tuple[Array | None, str]:
     """Return the initial stiffness (3, 3) that springs hold, None where they have no vertical one; and whose it is."""
     if isinstance(springs, MacroModel):
-        return springs.stiffness_initial, FIRST_STEPS if "first_steps" in springs.attrs else FULL_MODEL
+        return springs.stiffness_initial, _name_of(springs.attrs)
     given = typed(springs)
     if isinstance(given, CurveSprings):
         return None, ""
-    return given.stiffness, FIRST_STEPS if given.first_steps else FULL_MODEL
+    return given.stiffness, _name_of(given.attrs)
+
+
+def _name_of(attrs: Mapping[Any, Any]) -> str:
+    """Return words for the initial stiffness that springs with these attributes hold."""
+    of_atlas = f"initial stiffness of the {attrs.get('source')}" if "atlas_cases" in attrs else FULL_MODEL
+    return FIRST_STEPS if "first_steps" in attrs else of_atlas
 
 
 def at_states(model: MacroModel, states: xr.Dataset, form: Form) -> xr.DataArray:

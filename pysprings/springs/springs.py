@@ -25,6 +25,7 @@ from pysprings.springs.checks import check_schema, validate_springs
 from pysprings.springs.path import SpacePath, SpringPath, is_rate, paths_of, pure_of, rays_of, space_paths_of
 from pysprings.springs.path_ends import PathEnd
 
+OF_ATLAS = "springs of the {} ({} full models), not of a full model of this caisson; deviations are standard ones"
 SPREAD = "atlas"  # group of the standard deviation that springs of an atlas have
 _DIMS = ("mode", "ray", "knot")
 
@@ -152,6 +153,19 @@ class Springs:
     def of_atlas(self) -> bool:
         """True for springs of an atlas."""
         return self.spread is not None
+
+    @property
+    def reference(self) -> str:
+        """Words for what the paths are recorded from."""
+        return f"the rays of the {self.attrs['source']}" if self.of_atlas else "the full model"
+
+    @property
+    def atlas_words(self) -> tuple[str, ...]:
+        """Sentences that go with every use of springs of an atlas; none of others."""
+        if not self.of_atlas:
+            return ()
+        words = OF_ATLAS.format(self.attrs["source"], self.attrs.get("atlas_cases", "?"))
+        return tuple(filter(None, (words, str(self.attrs.get("atlas_mesh", "")))))
 
     @property
     def first_steps(self) -> bool:

@@ -8,12 +8,14 @@ the heavy libraries that it imports, load when it is called.
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pysprings.core.registry import Registry
 from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
 from pysprings.results.exporters.formats import FORMATS
+from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,7 +40,10 @@ def export(data: xr.DataTree | Source, name: str, target: PathLike | Target, **o
     exporter = EXPORTERS.find(name, "--to")
     place = target if isinstance(target, Target) else Target(Path(target))
     values = read_options(exporter, options)
-    return exporter.write(_source(data, exporter), place, values)
+    source = _source(data, exporter)
+    done = exporter.write(source, place, values)
+    words = Springs.of(source.springs).atlas_words if exporter.needs == "springs" else ()
+    return replace(done, remarks=[*words, *done.remarks]) if words else done
 
 
 def text(data: xr.DataTree | Source, name: str, **options: Any) -> str:

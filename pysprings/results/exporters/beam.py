@@ -161,10 +161,10 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
     model = MacroModel.from_springs(springs, "pisa").on_rows(rows)
     made = Uniaxial(model, rows, 2, tuple(lateral(rows, heights)), ())
     tables = [table(each, 2 * int(options["points"]) - 1) for each in made.springs]
-    alone = [each for each in tables if each.spring.name == "p"]
+    alone, beside = [each for each in tables if each.spring.name == "p"], springs.reference
     errors = [
-        *errors_by_role(springs, with_tables(made, alone), "p(y) alone, without m, tip and lid, beside the full model"),
-        *errors_by_role(springs, with_tables(made, tables), "all curves of this table beside the full model"),
+        *errors_by_role(springs, with_tables(made, alone), f"p(y) alone, without m, tip and lid, beside {beside}"),
+        *errors_by_role(springs, with_tables(made, tables), f"all curves of this table beside {beside}"),
     ]
     lines = [line for line in errors if HELD_BACK in line] or errors
     at = [] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]

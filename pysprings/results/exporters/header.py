@@ -71,6 +71,8 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         f"scene: {attrs.get('title', 'not recorded')}; sha256 {attrs.get('scene_sha256', 'not recorded')}",
         f"springs by pysprings {attrs.get('pysprings_version', 'not recorded')}; "
         f"status {attrs.get('status', 'not recorded')}",
+        *given.atlas_words,
+        *_of_atlas(given),
         f"frame: {frame}",
         f"units: {units}",
         f"drainage: {given.drainage}; rate: {rates or 'none: the springs do not depend on it'}; "
@@ -78,9 +80,19 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),
         use,
         *_ranges(given),
-        *_errors(source.comparison),
+        *_errors(source.comparison, given.reference),
         source.mesh_error,
     ]
+
+
+def _of_atlas(springs: Springs) -> Iterator[str]:
+    """Yield where the caisson is outside an atlas, and what its initial stiffness may be off."""
+    if outside := str(springs.attrs.get("atlas_outside", "")):
+        yield outside
+    if springs.of_atlas:
+        known = {name: springs.attrs.get(f"{name}_relative_deviation", np.nan) for name in ("K_H", "K_V", "K_M")}
+        parts = ", ".join(f"{name} {100.0 * float(value):.2g} %" for name, value in known.items())
+        yield f"standard deviation of the initial stiffness: {parts}; of loads and motions: see `pysprings predict`"
 
 
 def _ranges(springs: Springs) -> Iterator[str]:
@@ -104,7 +116,7 @@ def _ranges(springs: Springs) -> Iterator[str]:
     yield from (f"path {path.name} {path.end.words}" for path in paths if path.end.failed)
 
 
-def _errors(comparison: pd.DataFrame) -> Iterator[str]:
+def _errors(comparison: pd.DataFrame, reference: str) -> Iterator[str]:
     """Yield the largest errors of the springs that predict, on held-back paths where there are any, and their paths."""
     sets = comparison.groupby("springs", sort=False)
     predict = next((each for each in _PREDICT if each in sets.groups), None)
@@ -121,7 +133,7 @@ def _errors(comparison: pd.DataFrame) -> Iterator[str]:
                 parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
         role = "held-back" if len(held) else "calibration"
         if parts:
-            head = f"largest errors of springs {springs!s} against the full model, {len(used)} {role} paths"
+            head = f"largest errors of springs {springs!s} against {reference}, {len(used)} {role} paths"
             yield f"{head}: {', '.join(parts)}"
 
 
@@ -148,8 +160,8 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
     )
 
 
-def error_of_row(row: pd.Series | dict) -> str:
-    """Return a sentence on the errors of one row of the comparison."""
+def error_of_row(row: pd.Series | dict, reference: str) -> str:
+    """Return a sentence on the errors of one row of the comparison with what the paths are recorded from."""
     parts = [
         f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
         for key, words in _ERRORS.items()
@@ -157,5 +169,5 @@ def error_of_row(row: pd.Series | dict) -> str:
     ]
     source = f"springs of path {row['springs_from']}, {row['role']} path"
     eta = f"; eta {row['eta_large']:.4f}" if np.isfinite(row["eta_large"]) else ""  # out of one plane there is none
-    errors = f"largest error against the full model: {', '.join(parts)}{eta}"
+    errors = f"largest error against {reference}: {', '.join(parts)}{eta}"
     return f"{errors} ({source}; {row['status']})"

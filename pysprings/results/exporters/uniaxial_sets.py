@@ -453,7 +453,7 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
     lost += [
         f"tables of at most {points} points: {100.0 * max(row.error for row in rows):.2g} % from the curves at most",
         change_by_tables(springs, made.model, with_tables(made, rows)),
-        *errors_by_role(springs, made.model, "error of these springs beside the full model"),
+        *errors_by_role(springs, made.model, f"error of these springs beside {springs.reference}"),
     ]
     angles = tuple(first + np.pi / made.planes * k for k in range(made.planes))
     return Prepared([*header(source, target, frame, UNITS), *lost], rows, lost, made, springs, angles, torsion or 0.0)

@@ -25,7 +25,7 @@ from pysprings.core.variables import known_torsion
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.macro.stiffness import AT_REST, FULL_MODEL, NO_TORSION, stiffness_six
+from pysprings.macro.stiffness import AT_REST, NO_TORSION, stiffness_six
 from pysprings.results.exporters.base import Exported, Options, Source, Target
 from pysprings.results.exporters.header import error_of_row, range_of_path
 from pysprings.results.exporters.tables import with_net
@@ -117,6 +117,8 @@ def about_lines(
     for key, name in _ORIGIN.items():
         if key in springs.attrs:
             yield "text", name, str(springs.attrs[key])
+    given = Springs.of(springs)
+    yield from (("text", "atlas", words) for words in given.atlas_words)
     yield "text", "", ""
     yield "title", "Axes and signs", ""
     yield from (("mono", "", line) for line in _SKETCH)
@@ -128,12 +130,14 @@ def about_lines(
     yield from (("text", "", f"{pattern}: {words}") for pattern, words in MEANING.items())
     yield "text", "", ""
     yield "title", "Range of validity", ""
-    given = Springs.of(springs)
     yield from (("text", "fan", words) for words in _fan(given))
     yield from (("text", f"path {name}", range_of_path(given.drainage, path)) for name, path in given.paths.items())
     yield "text", "", ""
     yield "title", "Error of a rigid body on these springs", ""
-    yield from (("text", f"{row['path']}, {row['springs']}", error_of_row(row)) for _, row in comparison.iterrows())
+    yield from (
+        ("text", f"{row['path']}, {row['springs']}", error_of_row(row, given.reference))
+        for _, row in comparison.iterrows()
+    )
 
 
 def _fan(springs: Springs) -> Iterator[str]:
@@ -434,7 +438,8 @@ def _stiffness(book: Book, sheet: Any) -> None:
     """Write the full model's initial stiffness as 6 x 6, then the 3 x 3 of the full model and of each spring set."""
     sheet.set_column(0, 0, 30)
     sheet.set_column(1, 6, 16)
-    row = _block(book, sheet, 0, f"{FULL_MODEL} at the lid centre, 6 x 6", stiffness_six(book.springs).values, _SIX)
+    six = stiffness_six(book.springs)
+    row = _block(book, sheet, 0, f"{six.attrs['long_name']}, 6 x 6", six.values, _SIX)
     book.define("K_6x6", sheet.name, (2, 1), (7, 6))
     torsion = NO_TORSION if known_torsion(book.springs.attrs) is None else AT_REST
     notes = [_NOTES[0], f"{torsion[0].upper()}{torsion[1:]}.".replace("rot_z", "rz"), *_NOTES[1:]]
@@ -442,7 +447,7 @@ def _stiffness(book: Book, sheet: Any) -> None:
     row += len(notes) + 1
     book.define("K_3x3", sheet.name, (row + 2, 1), (row + 4, 3))
     full = book.springs.dataset["stiffness_initial"].values
-    row = _block(book, sheet, row, f"{FULL_MODEL} at the lid centre, 3 x 3", full, _THREE)
+    row = _block(book, sheet, row, f"{six.attrs['long_name']}, 3 x 3", full, _THREE)
     breaks = [0]
     for words, matrix in _sets(book):
         if row + 3 + len(matrix) > breaks[-1] + PRINTED:

@@ -9,6 +9,10 @@ import pytest
 
 import pysprings
 from pysprings.core.errors import UserInputError
+from pysprings.macro.comparison import compare
+from pysprings.macro.comparison_text import to_text
+from pysprings.macro.stiffness import stiffness
+from pysprings.results.exporters import export
 from pysprings.scene.changes import read_changes
 from pysprings.scene.load import parse_scene
 from pysprings.scene.template import template_text
@@ -35,6 +39,22 @@ def test_springs_of_an_atlas_are_a_spring_file(atlas, tmp_path):
     assert float(one["u"]) == float(other["u"]) > 0.0
     assert float(one["u_deviation"]) == float(other["u_deviation"]) > 0.0
     assert made.attrs["source"] == "atlas clay"
+
+
+@pytest.mark.parametrize("name", ["clay", "clay-gap"])
+def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
+    """What is handed over says where its numbers come from: in the head of the file, and as `export` prints it."""
+    known = pysprings.open_atlas(name)
+    made = springs(known, 9.0, 6.0)
+    done = export(made, "openfast", tmp_path)
+    head = (tmp_path / "caisson.txt").read_text()
+    words = [f"springs of the atlas {name} ({len(known.inputs)} full models), not of a full model of this caisson"]
+    words += ["made on mesh 'coarse': in clay loads are up to 25 % high at collapse"] if name == "clay-gap" else []
+    for text in (head, "\n".join(done.remarks)):
+        assert [each for each in words if each in text] == words
+    assert "against the full model" not in head and f"against the rays of the atlas {name}" in head
+    assert stiffness(made).attrs["long_name"] == f"initial stiffness of the atlas {name} at the lid centre"
+    assert f"full model: the rays of the atlas {name}, none of this caisson" in to_text(compare(made, "fan"))
 
 
 def test_springs_with_fewer_states_have_the_deviations_of_those(atlas):
