@@ -125,13 +125,14 @@ def _options(
     DEBUG.set(debug)
 
 
-def leave_out_dask() -> None:
-    """Have xarray work without Dask in this process: it would load it, 0.3 s, as soon as it reads a text.
+def leave_out(*libraries: str) -> None:
+    """Have xarray work without libraries of arrays, which it would load with the first text or index.
 
-    An xarray that is loaded already has found Dask, and stays as it is.
+    Dask takes 0.3 s, pint 0.1 s. An xarray that is loaded already has found them, and stays as it is.
     """
     if "xarray" not in sys.modules:
-        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]  # "not installed", for importlib and for xarray
+        for name in libraries:
+            sys.modules.setdefault(name, None)  # type: ignore[arg-type]  # "not installed", for importlib and xarray
 
 
 def main() -> None:
@@ -140,8 +141,8 @@ def main() -> None:
     arguments = sys.argv[1:]
     choose_for_command(arguments)
     first = arguments[0] if arguments else ""
-    if first in COMMANDS and first not in WITH_DASK:
-        leave_out_dask()
+    if first in COMMANDS:
+        leave_out("pint", *(() if first in WITH_DASK else ("dask",)))
     only_listed = arguments in HELP and "_PYSPRINGS_COMPLETE" not in os.environ
     application(first if first in COMMANDS else None, only_listed)(prog_name="pysprings")
 

@@ -15,6 +15,7 @@ import difflib
 import json
 import math
 import re
+import sys
 from decimal import Decimal
 from functools import cache
 from typing import Any
@@ -208,6 +209,8 @@ def _multiplied(factors: list[tuple[str, int]], text: str) -> tuple[float, Dimen
 @cache
 def _registry() -> Any:
     """Build pint's registry once: 0.3 s, paid only by those who read a quantity."""
+    if sys.modules.get("pint", ()) is None:  # a command has it left out of xarray
+        del sys.modules["pint"]
     import pint
 
     return pint.UnitRegistry()
