@@ -244,7 +244,7 @@ _SPACE_PATH = {name: _AXES[name] for name in ("depth", "depth_bounds", "side")} 
     _RESULT_PATH["normal_effective_stress"],
     V("shear_around", "traction of the caisson on the soil around the skirt", "Pa", _FIELD,
       "positive along a growing azimuth", required=False),
-    *(_RESULT_PATH[name] for name in ("shear_vertical", "pore_pressure", "gap")),
+    *(_RESULT_PATH[name] for name in ("shear_vertical", "pore_pressure", "gap", "cavitation_margin")),
 )
 
 _SECTION = _table(

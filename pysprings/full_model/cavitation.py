@@ -24,6 +24,27 @@ class Margin:
     place: tuple[float, float, float]
 
 
+class Watch:
+    """What looks at the suction of each state of a path.
+
+    sea : unit weight of water (N/m3) and its depth (m); None: nothing is looked at. water_position : (n, 3) m.
+    cavitation : margin of the first state in which the water would cavitate.
+    """
+
+    sea: tuple[float, float] | None
+    water_position: np.ndarray
+    cavitation: Margin | None = None
+
+    def suction(self, pressure: np.ndarray) -> dict[str, float]:
+        """Return what a row of the path has on a state with excess pressures (n,) Pa."""
+        if self.sea is None:
+            return {}
+        smallest = smallest_margin(self.water_position, pressure, *self.sea)
+        if smallest.margin < 0.0 and self.cavitation is None:
+            self.cavitation = smallest
+        return {"cavitation_margin": smallest.margin}
+
+
 def smallest_margin(position: np.ndarray, pressure: np.ndarray, unit_weight: float, water_depth: float) -> Margin:
     """Find the point nearest to cavitation.
 
@@ -42,12 +63,17 @@ def warning(path: str, states: xr.Dataset, length: float, margin: Margin) -> str
     states : of the path, with the margin by step; length : of the skirt (m).
     """
     first = int(np.argmax(states["cavitation_margin"].values < 0.0))
-    u, w, rotation = (float(states[name].values[first]) for name in ("u", "w", "rotation"))
-    settled = w - float(states["w"].values[0])
+    plane = ("u_x", "u_y"), ("rot_x", "rot_y")  # of a path that leaves a plane
+    now = {name: float(each.values[first]) for name, each in states.items() if each.dims == ("step",)}
+    u, rotation = (
+        now[name] if name in now else math.hypot(*(now[part] for part in parts))
+        for name, parts in zip(("u", "rotation"), plane, strict=True)
+    )
+    settled = now["w"] - float(states["w"].values[0])
     ways = (
         (abs(u), f"u = {1e3 * u:.4g} mm"),
         (abs(rotation) * length, f"rotation = {math.degrees(rotation):.4g} deg"),
-        (abs(settled), f"w = {1e3 * w:.4g} mm (V = {1e-3 * float(states['V'].values[first]):.5g} kN)"),
+        (abs(settled), f"w = {1e3 * now['w']:.4g} mm (V = {1e-3 * now['V']:.5g} kN)"),
     )
     x, y, z = margin.place
     where = f"x={x:.3f}, y={y:.3f}, z={z:.3f} m"

@@ -24,7 +24,7 @@ from fe_engine.assembly.system import System
 from fe_engine.balance.water import WaterBalance
 from fe_engine.state import Fields
 from pysprings.core import variables
-from pysprings.full_model.cavitation import Margin, smallest_margin
+from pysprings.full_model.cavitation import Watch
 from pysprings.full_model.volume import Volume
 from pysprings.model.build import Built, moments
 from pysprings.model.contact import SURFACE
@@ -108,7 +108,7 @@ def slices_of_elements(line: np.ndarray) -> SkirtSlices:
 SIDES = {"outside": "outer", "inside": "inner"}
 
 
-class Collector:
+class Collector(Watch):
     """Gathers one row per converged step of a path and turns them into a Dataset.
 
     ``balance`` follows the water of the path; it is None where the scene is drained. ``sea`` is (unit weight of water
@@ -124,7 +124,6 @@ class Collector:
         holds_water: Callable[[np.ndarray], np.ndarray] = np.ones_like,
     ) -> None:  # fmt: skip
         self.balance, self.sea = balance, sea
-        self.cavitation: Margin | None = None
         self.built, self.system = built, system
         self.keep_fields, self.keep_section = fields, section
         self.position, self.surface = built.model.stations.position, built.model.stations.surface
@@ -219,7 +218,7 @@ class Collector:
         volumes = {"expelled": now.expelled, "compressed": now.compressed, "film": now.film, "outflow": now.outflow,
                    "moved": now.moved, "imbalance": now.imbalance}  # fmt: skip
         row |= {f"water_{name}": 2.0 * volume for name, volume in volumes.items()}
-        return row | self._pressure_range(state) | self._cavitation(state)
+        return row | self._pressure_range(state) | self.suction(self._wet_pressures(state))
 
     def _pressure_range(self, state: Fields) -> dict[str, float]:
         """Return lowest pressure of soil and film, and highest of the soil."""
@@ -229,15 +228,6 @@ class Collector:
     def _wet_pressures(self, state: Fields) -> np.ndarray:
         """Return pressures at the places of `water_position`."""
         return state.pressure[self.wet]
-
-    def _cavitation(self, state: Fields) -> dict[str, float]:
-        """Return the margin of the absolute pressure over vapour pressure; keeps the first state where it is gone."""
-        if self.sea is None:
-            return {}
-        smallest = smallest_margin(self.water_position, self._wet_pressures(state), *self.sea)
-        if smallest.margin < 0.0 and self.cavitation is None:
-            self.cavitation = smallest
-        return {"cavitation_margin": smallest.margin}
 
     def _rings(self, state: Fields, force: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Return the p by depth, side and component; m and t by depth and side."""

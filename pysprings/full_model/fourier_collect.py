@@ -15,6 +15,7 @@ from fe_engine.elements import fourier as elements
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.core.path_kinds import LOADS, MOTIONS
+from pysprings.full_model.cavitation import Watch
 from pysprings.full_model.collect import Collector, slices_of_elements, stacked
 from pysprings.full_model.volume import FourierVolume
 from pysprings.model.contact import SURFACE, largest_tension
@@ -35,7 +36,7 @@ class FourierCollector(Collector):
         self._around = around(built.azimuth, self.azimuth)
         self._plane = _Plane(built)
         self._wave = elements.waves(self.azimuth, built.model.harmonics)[..., 0]
-        self.water_position = np.zeros((0, 3)) if self.balance is None else self._water_places()
+        self.water_position = np.zeros((0, 3)) if self.balance is None else water_places(built, self.azimuth)
         self.volume = FourierVolume(built, self.system) if volume else None
 
     def _ring_stations(self, side: str) -> np.ndarray:
@@ -92,14 +93,6 @@ class FourierCollector(Collector):
         water = self.system.water
         return np.zeros(len(self.surface)) if water is None else water.film_pressure(state.pressure)
 
-    def _water_places(self) -> np.ndarray:
-        """Return places (n, 3) m at which pressures are evaluated: pressure nodes at all azimuths of the fields."""
-        r, z = self.built.section.mesh.nodes[self.built.model.pressure_nodes].T
-        around_ring = np.stack([np.cos(self.azimuth), np.sin(self.azimuth)], axis=1)
-        at = np.empty((len(r), len(self.azimuth), 3))
-        at[..., :2], at[..., 2] = r[:, None, None] * around_ring, z[:, None]
-        return at.reshape(-1, 3)
-
     def _wet_pressures(self, state: Fields) -> np.ndarray:
         pressures: np.ndarray = (state.pressure @ self._wave.T).ravel()
         return pressures
@@ -107,6 +100,15 @@ class FourierCollector(Collector):
     def _pressure_range(self, state: Fields) -> dict[str, float]:
         every, soil = self._wet_pressures(state), len(self.built.section.mesh.corners) * len(self.azimuth)
         return {"pressure_min": float(every.min()), "pressure_max": float(every[:soil].max())}
+
+
+def water_places(built: BuiltFourier, azimuth: np.ndarray) -> np.ndarray:
+    """Return places (n, 3) m at which pressures are evaluated: pressure nodes at azimuths (na,)."""
+    r, z = built.section.mesh.nodes[built.model.pressure_nodes].T
+    around_ring = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    at = np.empty((len(r), len(azimuth), 3))
+    at[..., :2], at[..., 2] = r[:, None, None] * around_ring, z[:, None]
+    return at.reshape(-1, 3)
 
 
 def means_of_elements(at_nodes: np.ndarray) -> np.ndarray:
@@ -179,19 +181,17 @@ def fourier_section_dataset(built: BuiltFourier) -> xr.Dataset:
     return variables.attach(xr.Dataset(data), "section")
 
 
-class SpaceCollector:
+class SpaceCollector(Watch):
     """Gathers one row per converged step of a path that leaves a plane, as `collect.Collector` does.
 
     Axes are those of the field: x, y to its left seen from above, rotations and moments right-handed with z up; w, V
     and depth are positive down. The engine has y to the right of x. ``gaps`` returns those of the stations in a state,
-    ``water`` the pressure of the film there (ns,) [Pa], on the whole area.
+    ``water`` the pressure of the film there (ns,) [Pa], on the whole area. ``sea`` is that of a `Collector`.
     """
-
-    cavitation = None  # a scene with a water depth is refused
 
     def __init__(
         self, built: BuiltFourier, gaps: Callable[[Fields], np.ndarray], water: Callable[[Fields], np.ndarray],
-        fields: bool,
+        fields: bool, sea: tuple[float, float] | None,
     ) -> None:  # fmt: skip
         self.gaps, self.water, self.keep_fields = gaps, water, fields
         self.stations, n, self.wet = built.model.stations, len(built.azimuth), built.model.water is not None
@@ -202,6 +202,12 @@ class SpaceCollector:
         walls = [np.flatnonzero(self.stations.surface == SURFACE[SIDES[side]]) for side in variables.SIDES]
         self.rings = [mine.reshape(-1, n).T for mine in walls]  # station of each azimuth and node
         self.rows: list[dict[str, Any]] = []
+        self.sea = sea if self.wet else None
+        if self.sea is not None:
+            half = output_azimuths(built.model.harmonics)
+            angle = np.concatenate([half, half[1:-1] + np.pi])
+            self._wave = elements.waves(angle, built.model.harmonics, whole=True)[..., 0]
+            self.water_position = water_places(built, -angle)
 
     def add(self, state: Fields, time: float, converged: bool = True) -> None:
         """Record a state; ``converged`` marks it."""
@@ -214,6 +220,8 @@ class SpaceCollector:
             zip(LOADS, map(float, loads), strict=True)
         )
         row |= self._by_depth(force)
+        if self.sea is not None:
+            row |= self.suction((state.pressure @ self._wave.T).ravel())
         if self.keep_fields:
             row |= self._wall_fields(state, traction, water)
         self.rows.append(row)

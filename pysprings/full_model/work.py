@@ -334,7 +334,7 @@ def make_collector(
     if isinstance(built, BuiltFourier):
         if built.model.whole:
             return SpaceCollector(
-                built, lambda state: on.system.gaps(state), partial(_film, on), output.interface_fields
+                built, lambda state: on.system.gaps(state), partial(_film, on), output.interface_fields, sea
             )
         assert isinstance(on.system, FourierSystem)
         return FourierCollector(built, on.system, *requested, balance, sea, output.paraview, wet)

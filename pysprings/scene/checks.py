@@ -306,8 +306,6 @@ def off_plane_refusals(scene: SceneSections, whole: bool = False) -> Iterator[tu
     """
     if scene.discretisation != "fourier":
         yield ("mesh", "discretisation"), 'bricks have half of a caisson; it needs mesh.discretisation = "fourier"'
-    if whole and scene.drainage.mode != "drained" and scene.drainage.water_depth is not None:
-        yield ("drainage", "water_depth"), "cavitation is not looked for there: leave the water depth out"
     if not whole and scene.drainage.mode != "drained":
         yield ("drainage", "mode"), 'it needs drainage.mode = "drained" (undrained clay: law "tresca" or "von-mises")'
     if not whole and scene.caisson.behaviour != "rigid":

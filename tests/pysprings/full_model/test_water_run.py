@@ -141,7 +141,11 @@ def test_cavitation_is_named_by_the_motion_of_its_path(motion: str, words: str) 
     values = {name: moved if name == motion else zero for name in ("u", "w", "rotation")}
     values |= {"V": np.array([5e6, -3e6, -4e6]), "cavitation_margin": np.array([1e5, -1.0, -2.0])}
     states = xr.Dataset({name: ("step", each) for name, each in values.items()})
-    assert words in warning("pull_out", states, 8.0, Margin(-1.0, -4.7e5, (-4.0, 0.0, 8.0)))
+    margin = Margin(-1.0, -4.7e5, (-4.0, 0.0, 8.0))
+    assert words in warning("pull_out", states, 8.0, margin)
+    parts = {f"{to}_{axis}": share * states[name] for name, to in (("u", "u"), ("rotation", "rot"))
+             for axis, share in (("x", 0.6), ("y", -0.8))}  # fmt: skip
+    assert words in warning("pull_out", states.drop_vars(["u", "rotation"]).assign(parts), 8.0, margin)
 
 
 def test_margin_of_cavitation() -> None:
