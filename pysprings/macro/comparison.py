@@ -109,7 +109,9 @@ class Comparison:
         space = compare_in_space(self.springs) if self.springs_kind in (None, MEMORY) else frame[:0]
         frame = frame if space.empty else pd.concat([frame, space], ignore_index=True)
         frame.attrs = {key: self.springs.attrs.get(key, "") for key in ("title", "pysprings_version", "scene_sha256")}
-        frame.attrs |= {"reference": self.springs.reference}
+        there = set(frame["path"])
+        left = [name for name in (*self.springs.paths, *self.springs.space) if name not in there]
+        frame.attrs |= {"reference": self.springs.reference, "unanswered": left if self.springs_kind is None else []}
         return frame
 
     def along(self, path: SpringPath) -> dict[str, xr.Dataset]:
@@ -276,13 +278,14 @@ def merge_slices(springs: Springs | xr.DataTree, n: int) -> Springs:
     """Return springs with n depth slices, made of neighbours: p, m and t are means, y is that of the mean depth.
 
     Forces and distributed moments stay what they are; the moment of p within a merged slice is lost, as in a table
-    with so few depths.
+    with so few depths. Springs with memory, whose elements have no slices, are left out with their paths.
     """
     given = Springs.of(springs)
     depths = _depths(given)
     if not 1 <= n <= depths:
         raise refused("slices", f"{n} slices: the springs have 1 to {depths}")
-    return given.with_paths(replace(path, recorded=_merged(path.recorded, n)) for path in given.paths.values())
+    paths = [path for path in given.paths.values() if not path.remembers]
+    return replace(given, memory={}).with_paths(replace(path, recorded=_merged(path.recorded, n)) for path in paths)
 
 
 def _depths(springs: Springs) -> int:

@@ -89,6 +89,7 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
             lines += [_ROLE_TITLES[role], Table.of(columns, own).text(), ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
     ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
+    ended += [f"path {name}: not compared, no springs here answer it" for name in frame.attrs.get("unanswered", ())]
     further = (_VERTICAL_NOTES if vertical else []) + ([SPACE_NOTE] if "T_error_max_pct" in frame else [])
     notes = _NOTES[:1] if brief else _NOTES + further
     reference = str(frame.attrs.get("reference", FULL_MODEL))

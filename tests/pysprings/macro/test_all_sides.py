@@ -15,7 +15,7 @@ from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.answer import MacroWarning
 from pysprings.macro.batch import APART, MOST_APART, SIDEWAYS, predict_batch
 from pysprings.macro.comparison import compare
-from pysprings.macro.comparison_text import SPACE_NOTE
+from pysprings.macro.comparison_text import SPACE_NOTE, to_text
 from pysprings.macro.space import SpaceAnswers, sequence_in_space
 from pysprings.memory.space_model import SpaceSprings
 from pysprings.results.exporters.csv import read_comparison, write_frame
@@ -148,6 +148,17 @@ def test_springs_without_a_twist_answer_torsion_as_before() -> None:
     np.testing.assert_array_equal(found["rot_z"].values[3:], plane["rot_z"].values[3:])
     both = batch(tree, [LOADS[2] + LOADS[4]])
     assert both["answered"].values.tolist() == [0] and "across the plane of H" in both["why_not"].values[0]
+
+
+def test_a_path_that_no_springs_answer_is_named() -> None:
+    """A circle that calibrates nothing is missing in the table of a comparison, and said to be."""
+    tree = flat()
+    tree["space/circle"] = calibrated()["space/circle"].copy(deep=True)
+    tree["space/circle"].attrs["role"] = "held-back"
+    frame = compare(tree)
+    assert "circle" not in set(frame["path"]) and "twist" not in frame.attrs["unanswered"]
+    assert "path circle: not compared, no springs here answer it" in to_text(frame)
+    assert "not compared" not in to_text(compare(calibrated()))
 
 
 def test_other_sets_and_paths_answer_one_plane() -> None:

@@ -12,6 +12,7 @@ from pysprings.springs.checks import save_springs, validate_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance, by_depth, slice_heights
+from tests.support import winkler
 from tests.support.commands import command
 from tests.support.synthetic import Caisson, Path, make_springs
 
@@ -52,6 +53,11 @@ def test_all_slices_are_the_springs_themselves(springs):
     for n in (0, 34):
         with pytest.raises(UserInputError, match=r"slices: .* the springs have 1 to 33"):
             merge_slices(springs, n)
+
+
+def test_springs_with_stored_elements_have_their_slices_merged_without_them():
+    table = slice_convergence(winkler.with_invented_memory(), [2])
+    assert set(table["slices"]) == {2} and "fan" in set(table["springs"]) and "memory" not in set(table["springs"])
 
 
 def test_error_falls_with_the_square_of_the_slice_height(springs):
