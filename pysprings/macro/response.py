@@ -273,12 +273,17 @@ class RowSprings(Response):
         return (np.abs(self.table.read(states)[whole]) / self.table.range[whole, None]).max(axis=0, initial=0.0)
 
     def paths_at(self, states: Array) -> list[list[str]]:
-        """Return the name of the one path, by state."""
-        return [[self.origin.name]] * len(states)
+        """Return the names of the paths that the springs come from, by state."""
+        return [list(self._names)] * len(states)
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return self.sources or (self.origin.name,)
 
     def range_words(self) -> tuple[str, str]:
         """Return words for where springs end."""
-        return f"path '{self.origin.name}': springs reach", "their"
+        names = " and ".join(f"'{name}'" for name in self._names)
+        return f"path{'s' * (len(self._names) > 1)} {names}: springs reach", "their"
 
     def beyond(self, failed: list[PathEnd], _states: Array, over: Marks) -> Iterator[tuple[PathEnd, Marks]]:
         """Yield the ends of paths that failed, and the states beyond the range: see `Response`."""

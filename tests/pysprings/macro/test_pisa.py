@@ -4,8 +4,9 @@
 import numpy as np
 import pytest
 
-from pysprings.core.errors import UserInputError
+from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.model import MacroModel, spring_sets
+from pysprings.macro.predict import MacroWarning, predict
 from pysprings.macro.solver import ROWS, SpringArrays, reactions
 from pysprings.springs.path import paths_of
 from tests.support import synthetic
@@ -30,6 +31,19 @@ def test_each_family_comes_from_its_path() -> None:
     lateral = [row for row, name in enumerate(model.table.name) if name in ("p", "H_tip", "H_lid")]
     moment = sum(model.table.b[row, 1] * curve(model, row, rotation) for row in lateral)
     assert model.reactions(0.0, rotation)[0][1] == pytest.approx(moment + turned[-1] - turned[0], rel=1e-9)
+
+
+def test_an_answer_stands_on_both_paths() -> None:
+    """Its mesh error is the larger one, and the end of the springs names both."""
+    springs = synthetic.make_springs([SLIDE, TURN])
+    for name, error in (("slide", 1.0), ("turn", 3.0)):
+        springs[f"paths/{name}"].attrs["mesh_error_pct"] = error
+    with pytest.warns(MacroWarning, match="off the path 'slide'"):
+        answer = predict(springs, H=1e5, arm=2.0, springs_kind="pisa")
+    assert float(answer["mesh_error_pct"]) == 3.0
+    assert "paths 'slide' and 'turn'" in answer.attrs["capacity_from"]
+    with pytest.raises(BeyondSprings, match="beyond the range of paths 'slide' and 'turn'"):
+        predict(springs, H=1e7, arm=2.0, springs_kind="pisa")
 
 
 def curve(model: MacroModel, row: int, rotation: float) -> float:
