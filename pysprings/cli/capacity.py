@@ -24,7 +24,7 @@ from pysprings.cli.support import interruptible, print_json, print_table, quanti
 from pysprings.core.progress import reporter
 
 if TYPE_CHECKING:
-    from pysprings.macro.model import MacroModel
+    from pysprings.macro.model import AnySprings
     from pysprings.scene.model import Scene
     from pysprings.studies.capacity.plan import Request
     from pysprings.studies.capacity.points import Capacity
@@ -77,6 +77,8 @@ def capacity(
 
     if springs is not None and not macro:
         refuse("--springs", "are those of the macro-model, which --no-macro leaves out: give one of them")
+    if springs is not None and factor:
+        refuse("--springs", "are of one strength, and --factor asks for two: give one of them")
     folder = out or Path("out") / f"capacity-{scene.stem}"
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())
@@ -86,7 +88,7 @@ def capacity(
         every, radius = read_load_cases(file), 0.5 * read.caisson.outer_diameter
         request = study.with_torsion(chosen, request, every)
         given = every.bounded(radius, bool(request.torsion) or every.twisted(radius))
-    model = None if springs is None or not macro else _model(springs)
+    model = None if springs is None else _springs(springs)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             outcome = study.study(
@@ -121,13 +123,12 @@ def _request(
     return Request(tuple(known), directions, rays, StrengthFactors.read(factors), turned)
 
 
-def _model(springs: Path) -> MacroModel:
+def _springs(place: Path) -> AnySprings:
     from pysprings.cli.inputs import springs_or_table
-    from pysprings.macro.model import MacroModel
 
-    if not springs.exists():
-        refuse("--springs", "no such file or folder", springs)
-    return MacroModel.from_springs(springs_or_table(springs, None))
+    if not place.exists():
+        refuse("--springs", "no such file or folder", place)
+    return springs_or_table(place, None)
 
 
 def _print(folder: Path, outcome: Capacity) -> None:

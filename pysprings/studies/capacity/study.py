@@ -18,12 +18,13 @@ from pysprings.core.errors import PyspringsError, RunIncomplete, following, refu
 from pysprings.core.progress import Progress
 from pysprings.core.storage import read_tree, remove_leftovers, write_text
 from pysprings.core.tables.load_cases import LoadCases
-from pysprings.core.text import json_text
+from pysprings.core.text import json_text, with_prefix
 from pysprings.core.words import RANGE_END
 from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
-from pysprings.macro.model import MacroModel
+from pysprings.macro.model import AnySprings, MacroModel, typed
+from pysprings.macro.vertical import covered
 from pysprings.results.exporters.csv import write_frame
 from pysprings.scene.checks import off_plane_refusals
 from pysprings.scene.model import Scene
@@ -66,22 +67,24 @@ def with_torsion(scene: Scene, request: plan.Request, cases: LoadCases) -> plan.
 
 
 def study(
-    scene: Scene, out: Path, request: plan.Request, report: Progress, springs: MacroModel | None = None,
+    scene: Scene, out: Path, request: plan.Request, report: Progress, springs: AnySprings | None = None,
     cases: LoadCases | None = None, force: bool = False, formats: Sequence[str] = ("png",), jobs: int | None = 1,
 ) -> points.Capacity:  # fmt: skip
     """Run what has not ended yet, assess it and write everything; return the capacities.
 
-    springs : a model whose envelope stands beside that of the full model, instead of one from rays. force : have every
+    springs : those whose envelope stands beside that of the full model, instead of rays. force : have every
     run made again. formats : those of the picture, "png" and "svg"; none: no picture. jobs : worker processes (None:
     the cores of the machine).
 
     Raises RunIncomplete: no direction has a load; nothing but the runs is written. UserInputError: the model of the
-    scene carries no torsion, or water flows in it.
+    scene carries no torsion, or water flows in it; springs of another caisson.
     """
     if scene.drainage.mode == "coupled":
         raise refused("drainage.mode", 'a capacity has no time for water to flow: it needs "drained" or "undrained"')
     if request.torsion and (why := [text for _, text in off_plane_refusals(scene, whole=True)]):
         raise refused("--torsion", f"the load leaves the plane of H and M: {'; '.join(why)}")
+    if springs is not None:
+        _refuse_other_caisson(springs, scene)
     groups = list(plan.groups(scene, request))
     every = points.planned(groups, request)
     with new_folder(out), exclusive(out):
@@ -96,7 +99,7 @@ def study(
 
 
 def assess(
-    scene: Scene, request: plan.Request, ended: Sequence[points.Ended], springs: MacroModel | None = None,
+    scene: Scene, request: plan.Request, ended: Sequence[points.Ended], springs: AnySprings | None = None,
     cases: LoadCases | None = None,
 ) -> points.Capacity:  # fmt: skip
     """Return the capacities of ended runs."""
@@ -106,8 +109,8 @@ def assess(
         if own[0].overloaded:
             remarks.append(f"{group}: the caisson does not carry this vertical load: {own[0].why}")
             continue
-        model, why = (springs, "") if springs is not None else _model_of(own)
         load = _load_of(own)
+        model, why = model_at(springs, load) if springs is not None else _model_of(own)
         remarks += [f"{group}: {why}"] if why else []
         for each in own:
             if each.planned.direction is None:
@@ -131,6 +134,27 @@ def _load_of(ended: Iterable[points.Ended]) -> float:
         if each.point is not None:
             return each.point.rest_load
     return math.nan
+
+
+def model_at(springs: AnySprings, load: float) -> tuple[MacroModel | None, str]:
+    """Return the macro-model of springs at a vertical load [N]; None, with the reason, where they are of another."""
+    model = MacroModel.from_springs(springs, V=load)
+    if not isinstance(typed(springs), Springs):  # a table has none
+        return model, ""
+    own = model.origin.load
+    if covered(model.vertical, np.array([load]), np.array([own]))[0]:
+        return model, ""
+    return None, f"the springs are those at V = {with_prefix(own, 'N')}: no macro-model beside this load"
+
+
+def _refuse_other_caisson(springs: AnySprings, scene: Scene) -> None:
+    """Refuse springs of a caisson that is not that of a scene."""
+    given, caisson = typed(springs), scene.caisson
+    known = given.attrs if isinstance(given, Springs) else {}
+    for name, own in (("outer_diameter", caisson.outer_diameter), ("skirt_length", caisson.skirt_length)):
+        there = float(known.get(f"{name}_m", own))
+        if not math.isclose(there, own, rel_tol=1e-3):
+            raise refused("--springs", f"{name.replace('_', ' ')} {there:g} m; that of the scene is {own:g} m")
 
 
 def _model_of(ended: Iterable[points.Ended]) -> tuple[MacroModel | None, str]:

@@ -12,11 +12,13 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 from pysprings.scene.design_strength import StrengthFactors
+from pysprings.springs.checks import save_springs
+from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import picture, plan, points, study
 from pysprings.studies.capacity.envelope import utilisation
 from pysprings.studies.capacity.picture import envelopes
 from pysprings.studies.capacity.points import Capacity, Criterion, assess
-from tests.support import tiny
+from tests.support import synthetic, tiny, vertical
 from tests.support.commands import command
 
 SCENE = tiny.scene()
@@ -330,8 +332,17 @@ def test_runs_have_names_and_springs() -> None:
     assert [each.direction is None for each in every] == [False, False, True]
 
 
+def test_springs_beside_the_full_model_are_those_of_its_vertical_load() -> None:
+    """Of springs at 2 and 4 MN: those at each load; none at 8 MN, where they do not hold."""
+    given = Springs.of(vertical.vertical_springs(heavier=(4e6,)))
+    found = {V: study.model_at(given, V) for V in (2e6, 4e6, 8e6)}
+    assert [model and model.origin.load for model, _ in found.values()] == [2e6, 4e6, None]
+    assert [why for _, why in found.values()][:2] == ["", ""] and "those at V = 4 MN" in found[8e6][1]
+
+
 def test_refusals(tmp_path: Path) -> None:
     file = tiny.write(SCENE, tmp_path / "tiny.toml")
+    other = save_springs(synthetic.make_springs(caisson=synthetic.Caisson(length=5.0)), tmp_path / "other.nc")
     for given, message in (
         (("--V", "3"), "--V 3: expected a quantity with unit"),
         (("--factor", "0.5"), '--factor: "0.5": expected a number'),
@@ -343,6 +354,8 @@ def test_refusals(tmp_path: Path) -> None:
             "--torsion: the load leaves the plane of H and M: bricks have half of a caisson",
         ),
         (("--springs", tmp_path / "no"), "--springs: no such file or folder"),
+        (("--springs", other), "--springs: skirt length 5 m; that of the scene is 4 m"),
+        (("--springs", other, "--factor", "1.25"), "--springs: are of one strength"),
     ):
         done = command("capacity", file, *given, "--out", tmp_path / "out")
         assert (done.code, message in done.err) == (2, True), done.err
