@@ -304,14 +304,16 @@ def past_ends(
     used (n,) is the range that the lateral springs use, loads (n, 2) = (H, M), V (n,) [N] the vertical load, aim
     (H, M) the load behind the last state that the springs did not carry (None: all were).
     """
-    n, marks, ends = len(states), np.zeros(len(states), dtype=bool), dict[str, PathEnd]()
+    n, marks, ends = len(states), np.zeros(len(states), dtype=bool), dict[str, str]()
+    down = {} if model.vertical is None else {branch.path: branch.largest for branch in model.vertical.branches}
     if aim is not None:
         loads, V = np.vstack([loads, aim]), np.append(V, V[-1:]) if V is not None and V.size else None
-    for end, beyond in (*_ranges(model, states, used), *_capacities(model, loads, V)):
+    for end, beyond in (*_ranges(model, states, used), *_capacities(model, loads, V), *_vertical_ends(model, V)):
         if beyond.any():
             marks |= beyond[:n]
-            ends[end.path] = end
-    return marks, [f"the answer is beyond what the full model carried: {end}" for end in ends.values()]
+            at = f", at V = {with_prefix(down[end.path], 'N')}" if end.path in down else ""
+            ends[end.path] = f"{end}{at}"
+    return marks, [f"the answer is beyond what the full model carried: {words}" for words in ends.values()]
 
 
 def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[PathEnd, Marks]]:
@@ -321,6 +323,14 @@ def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[Pat
     if not failed or not over.any():
         return
     yield from model.response.beyond(failed, states, over)
+
+
+def _vertical_ends(model: MacroModel, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+    """Yield the limit loads of vertical paths, and the vertical loads (n,) [N] beyond each."""
+    for branch in () if V is None or model.vertical is None else model.vertical.branches:
+        if (end := model.ends[branch.path]).how == LIMIT_LOAD:
+            over = branch.sign * (V - branch.largest) > RANGE_SLACK * abs(branch.largest)
+            yield end, over
 
 
 def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:

@@ -503,6 +503,21 @@ def test_a_load_within_a_tenth_is_that_of_the_springs_and_a_limit_load_holds_the
             predict(tree, H=H, M=M, V=V, extrapolate=True)
 
 
+def test_beyond_a_vertical_limit_load_there_is_no_answer_with_any_option():
+    """The last step of the path still grows: without a limit load it goes on from there, marked."""
+    tree = vertical_springs()
+    last = float(tree["paths/down"]["V"][-1])
+    with pytest.warns(MacroWarning, match="is beyond the vertical springs"):
+        assert float(predict(tree, V=1.01 * last, extrapolate=True)["w"]) > 1e-2
+    tree["paths/down"].attrs |= {"end": "limit load", "end_reason": "limit load"}
+    assert float(predict(tree, V=last)["w"]) == pytest.approx(1e-2)
+    for H in (0.0, 1e4):
+        with pytest.raises(BeyondSprings, match=r"path 'down' met a limit load .*, at V = "):
+            predict(tree, H=H, V=1.01 * last, extrapolate=True)
+    found = predict_batch(tree, H=0.0, V=np.array([0.99, 1.01]) * last, extrapolate=True)
+    assert found["answered"].values.tolist() == [1, 0] and found["beyond_end"].values.tolist() == [0, 1]
+
+
 def test_a_v_within_a_tenth_of_the_springs_and_near_its_own_capacity_is_marked_by_every_way_to_ask(tmp_path):
     """Springs at 2 MN, a path down that ends at 2.4: at 2.15 MN the chord leaves 6 tenths of the load, at 2.02 0.95."""
     tree = vertical_springs(ends=(1e-4,))
