@@ -74,7 +74,7 @@ def _csv(states: xr.Dataset) -> str:
     import pandas as pd
 
     names = [str(name) for name in states.data_vars if states[name].dims == ("step",)]
-    units = {"m": "_m", "radian": "_rad", "N": "_N", "N m": "_Nm"}
+    units = {"m": "_m", "radian": "_rad", "N": "_N", "N m": "_Nm", "s": "_s"}
     columns = {f"{name}{units.get(str(states[name].attrs.get('units')), '')}": states[name].values for name in names}
     heads = [f"# {name}: {value}" for name, value in states.attrs.items() if not isinstance(value, list)]
     heads += [f"# {name}: {text}" for name in ("warnings", "remarks") for text in states.attrs.get(name, ())]
