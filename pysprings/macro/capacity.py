@@ -327,9 +327,11 @@ def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[Pat
 
 def _vertical_ends(model: MacroModel, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
     """Yield the limit loads of vertical paths, and the vertical loads (n,) [N] beyond each."""
-    for branch in () if V is None or model.vertical is None else model.vertical.branches:
+    if V is None or model.vertical is None:
+        return
+    for branch in model.vertical.branches:
         if (end := model.ends[branch.path]).how == LIMIT_LOAD:
-            over = branch.sign * (V - branch.largest) > RANGE_SLACK * abs(branch.largest)
+            over: Marks = branch.sign * (V - branch.largest) > RANGE_SLACK * abs(branch.largest)
             yield end, over
 
 
