@@ -351,7 +351,7 @@ _OF_BODY = ("u_x", "u_y", "w", "rot_x", "rot_y", "rot_z", "H_x", "H_y", "V", "M_
 _SPACE_PREDICTION = {
     name: replace(_SPACE_PATH[name], required=name not in ("V", "time")) for name in _OF_BODY
 } | _table(
-    *(_PREDICTION[name] for name in ("depth", "depth_bounds", "range_used", "extrapolated", "off_load")),
+    *(_PREDICTION[name] for name in ("depth", "depth_bounds", "range_used", "extrapolated", "off_load", "off_path")),
     *(V(f"p_{axis}", f"lateral soil reaction along {axis} per metre of depth", "N m-1", ("depth", "step"), _OPPOSES)
       for axis in "xy"),
     V("torsion_apart", "1 where torsion and a lateral load act together", "1", ("step",),

@@ -158,7 +158,7 @@ def _by_space(found: xr.Dataset, space: SpaceAnswers, cases: tuple[Marks, Array]
     answered = why == ""
     own["u"], own["rotation"] = np.hypot(own["u_x"], own["u_y"]), np.hypot(own["rot_x"], own["rot_y"])
     own |= {name: np.where(answered, own[name], np.nan) for name in ("u", "w", "rotation", *SPACE_TURNS)}
-    own |= {name: np.zeros(len(rows), dtype=np.int8) for name in ("off_path", "past_peak") if name in found}
+    own |= {"past_peak": np.zeros(len(rows), dtype=np.int8)} if "past_peak" in found else {}
     own |= {"answered": answered, "converged": answered, "why_not": why, "in_space": np.ones(len(rows), dtype=np.int8)}
     own["plane_difference_pct"] = _difference(found.isel(case=rows), space, V[rows])
     out, values = _blank(found, ~aside, (*_GIVEN, *_IN_PLANE)), {}

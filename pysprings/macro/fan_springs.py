@@ -57,7 +57,7 @@ class FanSprings(Response):
         usable = np.ones(self.origin.depth.size, dtype=np.int8)
         (w,), (V_,), p = (rows[table.name == name] for name in ("w", "V", "p"))
         water = rows[table.wet].reshape(-1, *p.shape) if table.wet.any() else None
-        return Support(w, V_, p, usable, used, np.sin(nearest), off, _sector_notes(sector, off), water)
+        return Support(w, V_, p, usable, used, np.sin(nearest), off, sector_notes(sector, off), water)
 
     def range_used(self, states: Array) -> Array:
         """Return rho over that of the rays beside, by state (n, 2)."""
@@ -107,7 +107,7 @@ class FanSprings(Response):
         return None if self.spread is None else self.spread.widening(self.table, states, loads, utilisation)
 
 
-def _sector_notes(sector: Array, off: Marks) -> list[str]:
+def sector_notes(sector: Array, off: Marks) -> list[str]:
     """Return a sentence on states between rays too far apart."""
     text = (
         f"{off.sum()} of {off.size} states are between calibration paths {np.degrees(sector.max(initial=0.0)):.3g} "

@@ -35,7 +35,7 @@ _UNCHECKED = (
     "{:.3g})"
 )
 _NEVER = "springs in space, checked on no held-back path"
-_MARKS = ("converged", "extrapolated", "unchecked", "off_load", "torsion_apart")
+_MARKS = ("converged", "extrapolated", "unchecked", "off_load", "off_path", "torsion_apart")
 
 
 class SpaceResponse(Protocol):

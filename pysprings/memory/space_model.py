@@ -21,6 +21,8 @@ from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.units import quoted
+from pysprings.macro.fan import WIDEST
+from pysprings.macro.fan_springs import sector_notes
 from pysprings.macro.model import elastic_loads
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
@@ -33,7 +35,7 @@ from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tang
 from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
-from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, SpringPath, in_planes, out_of_planes
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, STRAIGHT, SpringPath, in_planes, out_of_planes
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
 
@@ -60,6 +62,7 @@ class SpaceSprings:
     ends, elastic_loads : as those of `pysprings.macro.model.MacroModel`.
     load_scale : sizes of H [N] and M [N m], for tolerances.
     attrs : attributes of the springs.
+    rays : angles (n,) [rad] of the rays in (u, rotation L), in order.
     """
 
     elements: SpaceElements
@@ -74,6 +77,7 @@ class SpaceSprings:
     K: float
     ends: Mapping[str, PathEnd]
     elastic_loads: tuple[float, float]
+    rays: Array
 
     @classmethod
     def of(cls, springs: Springs | xr.DataTree) -> "SpaceSprings":
@@ -103,7 +107,7 @@ class SpaceSprings:
             K = np.nan if springs.stiffness is None else float(springs.stiffness[1, 1])
         return cls(
             elements.space, *size, V, load_scale, springs.path(), springs.attrs, table, K, springs.ends,
-            elastic_loads(springs),
+            elastic_loads(springs), np.sort(list(springs.rays.values())),
         )  # fmt: skip
 
     @property
@@ -220,6 +224,20 @@ class SpaceSprings:
         used: Array = np.linalg.norm(motions[:, :4], axis=1) / self.reach
         return np.maximum(used, np.abs(motions[:, 4]) / self.elements.twist) if self.elements.twist else used
 
+    def sector(self, turns: Array) -> Array:
+        """Return the angle [rad] between the rays beside the leading motion in the plane (u, rotation L); 0 on a ray.
+
+        That of motions (n, 5) in one plane is theirs; of others the direction of their largest part.
+        """
+        q = self.motions_of(turns)[:, :4]
+        u, lean = q[:, ::2], q[:, 1::2]
+        leading = 0.5 * np.arctan2(2.0 * (u * lean).sum(axis=1), (u**2).sum(axis=1) - (lean**2).sum(axis=1))
+        ends = np.append(self.rays, self.rays[0] + np.pi)
+        angle = (leading - ends[0]) % np.pi + ends[0]
+        place = np.clip(np.searchsorted(ends, angle, side="right"), 1, len(self.rays))
+        nearest = np.minimum(angle - ends[place - 1], ends[place] - angle)
+        return np.where((nearest < STRAIGHT) | ~q.any(axis=1), 0.0, ends[place] - ends[place - 1])
+
     def torsion_apart(self, pushes: Array) -> Marks:
         """Return where both torsion and a lateral load act, for loads (n, 5)."""
         loads = self.loads_of(pushes)
@@ -244,7 +262,10 @@ class SpaceSprings:
         values |= {"extrapolated": (used > 1.0 + RANGE_SLACK).astype(np.int8)}
         apart = self.torsion_apart(pushes)
         values["torsion_apart"] = apart.astype(np.int8)
-        warnings = [APART.format(apart.sum(), n)] if apart.any() else []
+        sector = self.sector(turns)
+        aside = sector > WIDEST + RANGE_SLACK
+        values["off_path"] = aside.astype(np.int8)
+        warnings = [*([APART.format(apart.sum(), n)] if apart.any() else []), *sector_notes(sector, aside)]
         warnings += beyond_way(self.motions_of(turns)[:, :4], self.elements.way)
         text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"
         beyond = [text] if values["extrapolated"].any() else []

@@ -483,3 +483,19 @@ def test_a_stepper_takes_no_torque_for_a_motion() -> None:
             stepper.advance(**step)
     with pytest.raises(UserInputError, match="must have the shape"):
         stepper.advance(load=[1e5, 0.0])
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7])
+def test_motions_between_rays_too_far_apart_are_marked_in_space_too(turned: float) -> None:
+    """Rays at 0, 45 and 90 degrees: between 90 and 180, or -90 and 0, none is near; in any plane, with a twist."""
+    space = replace(SpaceSprings.of(calibrated()), rays=np.radians([0.0, 45.0, 90.0]))
+    angles = np.radians([10.0, 0.0, -10.0, -80.0, -90.0, 100.0, 170.0, 225.0, 80.0])
+    u, lean = 1e-4 * np.cos(angles), 1e-4 * np.sin(angles) / space.length
+    c, s = np.cos(turned), np.sin(turned)
+    turns = np.stack([c * u, s * u, -s * lean, c * lean, np.full(u.size, 1e-5)], axis=1)
+    assert np.degrees(space.sector(turns)).round(6).tolist() == [45, 0, 90, 90, 0, 90, 90, 0, 45]
+    found = space.answer("state", turns)
+    assert found["off_path"].values.tolist() == [0, 0, 1, 1, 0, 1, 1, 0, 0]
+    assert [
+        text for text in found.attrs["warnings"] if "4 of 9 states are between calibration paths 90 degrees" in text
+    ]
