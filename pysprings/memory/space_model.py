@@ -62,7 +62,7 @@ class SpaceSprings:
     ends, elastic_loads : as those of `pysprings.macro.model.MacroModel`.
     load_scale : sizes of H [N] and M [N m], for tolerances.
     attrs : attributes of the springs.
-    rays : angles (n,) [rad] of the rays in (u, rotation L), in order.
+    rays : angles in (u, rotation L) [rad], in order, and ranges [m] of the rays (n, 2).
     """
 
     elements: SpaceElements
@@ -100,6 +100,8 @@ class SpaceSprings:
         if elements.space is None:
             raise refused("springs", MISSING)
         size = springs.length, elements.reach, elements.largest
+        ends = ((angle, springs.paths[name]) for name, angle in springs.rays.items())
+        rays = sorted((angle, float(np.hypot(path.u[-1], path.turn[-1]))) for angle, path in ends)
         table = build_vertical(springs)
         if table is not None:
             K = table.stiffness
@@ -107,7 +109,7 @@ class SpaceSprings:
             K = np.nan if springs.stiffness is None else float(springs.stiffness[1, 1])
         return cls(
             elements.space, *size, V, load_scale, springs.path(), springs.attrs, table, K, springs.ends,
-            elastic_loads(springs), np.sort(list(springs.rays.values())),
+            elastic_loads(springs), np.array(rays),
         )  # fmt: skip
 
     @property
@@ -219,24 +221,29 @@ class SpaceSprings:
         return change, past.astype(np.int8), beyond_springs(self, V, own), no_equilibrium(self, V[np.isnan(own)])
 
     def range_used(self, turns: Array) -> Array:
-        """Return the size of motions (n, 5) over that of the rays, or of the twist where that is more."""
+        """Return the size of motions (n, 5) over that of the rays beside, or of the twist where that is more."""
         motions = self.motions_of(turns)
-        used: Array = np.linalg.norm(motions[:, :4], axis=1) / self.reach
+        used: Array = np.linalg.norm(motions[:, :4], axis=1) / self.beside(turns)[1]
         return np.maximum(used, np.abs(motions[:, 4]) / self.elements.twist) if self.elements.twist else used
 
-    def sector(self, turns: Array) -> Array:
-        """Return the angle [rad] between the rays beside the leading motion in the plane (u, rotation L); 0 on a ray.
+    def beside(self, turns: Array) -> tuple[Array, Array]:
+        """Return the angle [rad] between the rays beside the leading motion in (u, rotation L), and their range [m].
 
-        That of motions (n, 5) in one plane is theirs; of others the direction of their largest part.
+        The leading motion of motions (n, 5) in one plane is theirs; of others it is their largest part. The range is
+        that of the shorter ray; on a ray the range is its own, and the angle 0.
         """
         q = self.motions_of(turns)[:, :4]
         u, lean = q[:, ::2], q[:, 1::2]
         leading = 0.5 * np.arctan2(2.0 * (u * lean).sum(axis=1), (u**2).sum(axis=1) - (lean**2).sum(axis=1))
-        ends = np.append(self.rays, self.rays[0] + np.pi)
-        angle = (leading - ends[0]) % np.pi + ends[0]
-        place = np.clip(np.searchsorted(ends, angle, side="right"), 1, len(self.rays))
-        nearest = np.minimum(angle - ends[place - 1], ends[place] - angle)
-        return np.where((nearest < STRAIGHT) | ~q.any(axis=1), 0.0, ends[place] - ends[place - 1])
+        (first, *_), ends = self.rays[0], np.vstack([self.rays, self.rays[:1] + [np.pi, 0.0]])
+        angle = (leading - first) % np.pi + first
+        place = np.clip(np.searchsorted(ends[:, 0], angle, side="right"), 1, len(self.rays))
+        low, high = ends[place - 1], ends[place]
+        apart = np.abs(np.stack([angle - low[:, 0], high[:, 0] - angle]))
+        on_ray = (apart.min(axis=0) < STRAIGHT) | ~q.any(axis=1)
+        own = np.where(apart[0] < apart[1], low[:, 1], high[:, 1])
+        reach = np.where(on_ray, own, np.minimum(low[:, 1], high[:, 1]))
+        return np.where(on_ray, 0.0, high[:, 0] - low[:, 0]), reach
 
     def torsion_apart(self, pushes: Array) -> Marks:
         """Return where both torsion and a lateral load act, for loads (n, 5)."""
@@ -262,7 +269,7 @@ class SpaceSprings:
         values |= {"extrapolated": (used > 1.0 + RANGE_SLACK).astype(np.int8)}
         apart = self.torsion_apart(pushes)
         values["torsion_apart"] = apart.astype(np.int8)
-        sector = self.sector(turns)
+        sector, _ = self.beside(turns)
         aside = sector > WIDEST + RANGE_SLACK
         values["off_path"] = aside.astype(np.int8)
         warnings = [*([APART.format(apart.sum(), n)] if apart.any() else []), *sector_notes(sector, aside)]

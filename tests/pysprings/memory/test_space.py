@@ -486,14 +486,18 @@ def test_a_stepper_takes_no_torque_for_a_motion() -> None:
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.7])
-def test_motions_between_rays_too_far_apart_are_marked_in_space_too(turned: float) -> None:
-    """Rays at 0, 45 and 90 degrees: between 90 and 180, or -90 and 0, none is near; in any plane, with a twist."""
-    space = replace(SpaceSprings.of(calibrated()), rays=np.radians([0.0, 45.0, 90.0]))
+def test_range_and_rays_beside_a_motion_are_those_of_its_direction(turned: float) -> None:
+    """Rays at 0, 45 and 90 degrees: between 90 and 180, or -90 and 0, none is near, which is marked; in any plane."""
+    rays = np.array([[0.0, 1e-3], [0.25 * np.pi, 4e-4], [0.5 * np.pi, 2e-3]])
+    space = replace(SpaceSprings.of(calibrated()), rays=rays)
     angles = np.radians([10.0, 0.0, -10.0, -80.0, -90.0, 100.0, 170.0, 225.0, 80.0])
     u, lean = 1e-4 * np.cos(angles), 1e-4 * np.sin(angles) / space.length
     c, s = np.cos(turned), np.sin(turned)
     turns = np.stack([c * u, s * u, -s * lean, c * lean, np.full(u.size, 1e-5)], axis=1)
-    assert np.degrees(space.sector(turns)).round(6).tolist() == [45, 0, 90, 90, 0, 90, 90, 0, 45]
+    sector, reach = space.beside(turns)
+    assert np.degrees(sector).round(6).tolist() == [45, 0, 90, 90, 0, 90, 90, 0, 45]
+    assert reach.tolist() == [4e-4, 1e-3, 1e-3, 1e-3, 2e-3, 1e-3, 1e-3, 4e-4, 4e-4]
+    np.testing.assert_allclose(space.range_used(turns * [1.0, 1.0, 1.0, 1.0, 0.0]), 1e-4 / reach)
     found = space.answer("state", turns)
     assert found["off_path"].values.tolist() == [0, 0, 1, 1, 0, 1, 1, 0, 0]
     assert [
