@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.arrays import Array
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
 from pysprings.core.loads import same_loads
 from pysprings.macro.capacity import past_ends
@@ -112,10 +112,12 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "y": u - rotation * depth[:, None],
         "p": support.p,
         "range_used": support.used,
-        "extrapolated": (np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
+        "extrapolated": model.response.lasting(np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),
     } | down.values
     values["turned_back"] = turned.back.astype(np.int8)
-    values |= _where_known(support, turned) | _mesh_errors(model, states, down.values.get("V"))
+    values |= _where_known(support, turned, model.response.lasting(support.off)) | _mesh_errors(
+        model, states, down.values.get("V")
+    )
     values["beyond_end"] = past.astype(np.int8)
     known = variables.GROUPS["prediction"]
     data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
@@ -131,8 +133,8 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
 
 
-def _where_known(support: Support, turned: Turns) -> dict[str, Array]:
-    """Return what not all springs have, by name."""
+def _where_known(support: Support, turned: Turns, off: Marks) -> dict[str, Array]:
+    """Return what not all springs have, by name; off (n,): away from the calibrated paths."""
     values: dict[str, Array] = {}
     if support.water is not None:
         values["p_water"] = support.water
@@ -141,7 +143,7 @@ def _where_known(support: Support, turned: Turns) -> dict[str, Array]:
     if support.softened is not None:
         values["past_peak"] = support.softened.astype(np.int8)
     if support.distance is not None or turned.aside.any():
-        values["off_path"] = (support.off | turned.aside).astype(np.int8)
+        values["off_path"] = (off | turned.aside).astype(np.int8)
     return values
 
 

@@ -118,6 +118,10 @@ class Response(Protocol):
     def provenance(self) -> dict[str, Any]:
         """Return attributes on the paths that the springs come from."""
 
+    def lasting(self, marks: Marks) -> Marks:
+        """Return marks by state (n,) along a way, with the later states that what they mark bears on; here none."""
+        return marks
+
     # --- a backbone ---
 
     @cached_property

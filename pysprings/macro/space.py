@@ -32,7 +32,7 @@ _FROM = "paths out of one plane"
 PLANE_ALONE = "the set '{}' answers loads in one plane only: ask for the springs 'memory'"
 _UNCHECKED = (
     "{} of {} states go beyond the held-back paths out of one plane (lateral motions to {:.3g} of the range, twists to "
-    "{:.3g})"
+    "{:.3g}), or come after one"
 )
 _NEVER = "springs in space, checked on no held-back path"
 _MARKS = ("converged", "extrapolated", "unchecked", "off_load", "off_path", "torsion_apart")
@@ -109,7 +109,7 @@ class SpaceAnswers:
         lateral, twist = (self.response.range_used(turns * part) for part in _PARTS)
         past = lateral > self.checked[0] * (1.0 + RANGE_SLACK)
         past |= (twist > lateral) & (twist > self.checked[1] * (1.0 + RANGE_SLACK))
-        past &= found["extrapolated"].values == 0
+        past = np.logical_or.accumulate(past) & (found["extrapolated"].values == 0)
         texts = [_UNCHECKED.format(past.sum(), len(past), *self.checked)] if past.any() else []
         attrs = {name: [*found.attrs[name], *more] for name, more in (("warnings", texts), ("remarks", [self.errors]))}
         known = variables.GROUPS["space_prediction"]["unchecked"].attributes()

@@ -103,6 +103,11 @@ class MemorySprings(FanSprings):
             "and forth",
         ]
 
+    def lasting(self, marks: Marks) -> Marks:
+        """Return marks by state (n,) along a way, and all that come after: elements remember where they were."""
+        found: Marks = np.logical_or.accumulate(marks)
+        return found
+
     def check_state(self, asked: Literal["cases", "secant"]) -> None:
         """Raise UserInputError: a state alone has no answer, it depends on the way to it."""
         raise refused("springs_kind", _NOT_ASKED[asked])

@@ -266,12 +266,12 @@ class SpaceSprings:
             zip(SPACE_LOADS, pushes.T, strict=True)
         )
         values |= {"w": self.heave(turns), "converged": np.ones(n, dtype=np.int8), "range_used": used}
-        values |= {"extrapolated": (used > 1.0 + RANGE_SLACK).astype(np.int8)}
+        values |= {"extrapolated": np.logical_or.accumulate(used > 1.0 + RANGE_SLACK).astype(np.int8)}
         apart = self.torsion_apart(pushes)
         values["torsion_apart"] = apart.astype(np.int8)
         sector, _ = self.beside(turns)
         aside = sector > WIDEST + RANGE_SLACK
-        values["off_path"] = aside.astype(np.int8)
+        values["off_path"] = np.logical_or.accumulate(aside).astype(np.int8)
         warnings = [*([APART.format(apart.sum(), n)] if apart.any() else []), *sector_notes(sector, aside)]
         warnings += beyond_way(self.motions_of(turns)[:, :4], self.elements.way)
         text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"

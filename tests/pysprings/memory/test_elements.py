@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import BeyondSprings, UserInputError
+from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, reaction_errors, sequences
 from pysprings.macro.fan import FanTable, build_fan
@@ -285,6 +286,18 @@ def test_steps_are_tried_from_the_committed_state_until_one_is_kept() -> None:
     np.testing.assert_allclose(ends[0] - ends[1], stepper.tangent @ (2.0 * change), rtol=1e-4)
     with pytest.raises(UserInputError, match="give a motion or a load"):
         stepper.advance()
+
+
+def test_what_comes_after_a_state_beyond_the_range_is_marked_with_memory_alone() -> None:
+    """Elements remember the excursion, a fan does not."""
+    springs = winkler.with_invented_memory()
+    reach = MacroModel.from_springs(springs, "memory").table.range.min()
+    states = reach * np.array([[0.5, 0.0], [1.5, 0.0], [0.2, 0.0], [0.0, 0.0]])
+    marked = {
+        kind: trace(MacroModel.from_springs(springs, kind), "state", states)["extrapolated"].values.tolist()
+        for kind in ("memory", "fan")
+    }
+    assert marked == {"memory": [0, 1, 1, 1], "fan": [0, 1, 0, 0]}
 
 
 def test_a_step_is_marked_where_the_springs_do_not_cover_it() -> None:
