@@ -272,9 +272,15 @@ class RowSprings(Response):
         return Support(*self._vertical(*states.T), p, usable, used, distance, off, self._notes(distance, off))
 
     def range_used(self, states: Array) -> Array:
-        """Return the largest displacement over its range, by state (n, 2); curves kept in part do not count."""
+        """Return the largest displacement over its range, by state (n, 2)."""
+        counted = self._counted
+        return (np.abs(self.table.read(states)[counted]) / self.table.range[counted, None]).max(axis=0, initial=0.0)
+
+    @cached_property
+    def _counted(self) -> Marks:
+        """Rows whose range counts: not curves kept in part, but where the path turns back, which keeps all to there."""
         whole = ~self.table.cut
-        return (np.abs(self.table.read(states)[whole]) / self.table.range[whole, None]).max(axis=0, initial=0.0)
+        return whole if whole.any() and not self.origin.turns_back else np.ones_like(whole)
 
     def paths_at(self, states: Array) -> list[list[str]]:
         """Return the names of the paths that the springs come from, by state."""
@@ -296,7 +302,7 @@ class RowSprings(Response):
     def farthest(self) -> float:
         """Return a motion [m] that leaves the range of the springs in most directions."""
         lengths = np.where(self.table.a[:, 0] == 0.0, self.origin.length, 1.0)
-        return 2.0 * float((self.table.range * lengths)[~self.table.cut].max(initial=1e-3))
+        return 2.0 * float((self.table.range * lengths)[self._counted].max(initial=1e-3))
 
     def provenance(self) -> dict[str, Any]:
         """Return attributes on the path that the springs come from."""

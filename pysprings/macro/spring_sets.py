@@ -71,6 +71,8 @@ def _rows(springs: Springs, path: str | None, companions: bool) -> Response:
     from pysprings.macro.response import RowSprings
 
     origin = springs.path(path)
+    if origin.is_vertical:
+        raise refused("path", f"'{origin.name}' moves the caisson vertically alone: it has no lateral springs")
     return RowSprings(build_table(origin, companions), origin, (origin.name,))
 
 

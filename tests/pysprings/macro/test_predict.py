@@ -238,6 +238,20 @@ def test_a_curve_that_turns_back_keeps_its_monotonic_part_in_the_py_set():
     assert whole.carrier[tip] == "u"
 
 
+@pytest.mark.parametrize("spring_set", ["full", "py"])
+def test_springs_of_a_path_that_turns_back_end_where_it_turns(spring_set):
+    """Every curve is kept to there: beyond it no answer is plain."""
+    tree = make_springs((Path("push", "translation"), Path("back", "translation")))
+    there = tree["paths/back"].to_dataset(inherit=False)
+    back = there.isel(step=[*range(there.sizes["step"]), *range(there.sizes["step"] - 2, 0, -1)])
+    tree["paths/back"].dataset = back.assign_coords(step=np.arange(back.sizes["step"])).assign_attrs(then_parts=1)
+    end = float(there["u"][-1])
+    model = MacroModel.from_springs(tree, spring_set, "back")
+    answer = trace(model, "state", np.array([[0.5 * end, 0.0], [end, 0.0], [2.0 * end, 0.0]]))
+    np.testing.assert_allclose(answer["range_used"], [0.5, 1.0, 2.0])
+    assert answer["extrapolated"].values.tolist() == [0, 0, 1]
+
+
 def test_springs_are_odd():
     springs = make_springs()
     right, left = curve(springs, u_max=3e-3, n=7), curve(springs, u_max=-3e-3, n=7)

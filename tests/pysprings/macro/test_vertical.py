@@ -503,6 +503,14 @@ def test_a_load_within_a_tenth_is_that_of_the_springs_and_a_limit_load_holds_the
             predict(tree, H=H, M=M, V=V, extrapolate=True)
 
 
+@pytest.mark.parametrize("spring_set", ["full", "py"])
+def test_a_vertical_path_has_no_lateral_springs(spring_set):
+    with pytest.raises(
+        UserInputError, match="path: 'down' moves the caisson vertically alone: it has no lateral springs"
+    ):
+        predict(vertical_springs(), H=1e4, springs_kind=spring_set, path="down")
+
+
 def test_beyond_a_vertical_limit_load_there_is_no_answer_with_any_option():
     """The last step of the path still grows: without a limit load it goes on from there, marked."""
     tree = vertical_springs()
