@@ -130,11 +130,8 @@ class Search:
     def covered(self, ratio: float) -> tuple[float, float]:
         """Return the range of diameters [m] of an L/D that the atlas covers at every V; the same twice where none."""
 
-        def covers(D: float) -> bool:
-            return all(self.atlas.covers(scene) for scene, _ in scenes_of(self.atlas, self.wanted, D, ratio * D))
-
         sizes = [float(D) for D in np.geomspace(*self.wanted.D, _SIZES)]
-        known = [k for k, D in enumerate(sizes) if covers(D)]
+        known = [k for k, D in enumerate(sizes) if not self._beyond(ratio, D)]
         if not known:
             return (self.wanted.D[0],) * 2
         ends = []
@@ -142,9 +139,14 @@ class Search:
             inside, outside = sizes[k], sizes[beyond] if 0 <= beyond < _SIZES else sizes[k]
             for _ in range(_HALVINGS if inside != outside else 0):
                 middle = math.sqrt(inside * outside)
-                inside, outside = (middle, outside) if covers(middle) else (inside, middle)
+                inside, outside = (inside, middle) if self._beyond(ratio, middle) else (middle, outside)
             ends.append(inside)
         return ends[0], ends[1]
+
+    def _beyond(self, ratio: float, D: float) -> set[str]:
+        """Return which inputs of the atlas a caisson leaves at some V."""
+        inside = scenes_of(self.atlas, self.wanted, D, ratio * D)
+        return {label for scene, _ in inside for label, _ in self.atlas.beyond(scene)}
 
     def least(self) -> Candidate:
         """Return the caisson of the least steel. Raises UserInputError where none within the bounds meets the cases."""
@@ -167,7 +169,9 @@ class Search:
             if low >= high:
                 D = math.sqrt(math.prod(self.wanted.D))
                 answered(self.atlas, self.wanted, D, ratio * D)  # refused: what is outside the atlas
-            text = f"at their V the atlas covers D {low:.3g} to {high:.3g} m"
+            ends = sorted(self._beyond(ratio, low * (1.0 - _NEAR)) | self._beyond(ratio, high * (1.0 + _NEAR)))
+            text = f"at their V the atlas covers D {low:.3g} to {high:.3g} m at L/D {ratio:.2g}"
+            text += f", where {' and '.join(ends)} leave it" * bool(ends)
             if (there := self.at(high, ratio * high)).use > 1.0:
                 text += f"; at the largest {there.governs} governs"
             text += f" ({NO_BOUND})" * there.governs.endswith(TORSION)

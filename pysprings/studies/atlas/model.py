@@ -145,10 +145,10 @@ class Atlas:
         texts = [f"{key}: {text}" for key, text in outside] or [*self._outside_hull(inputs)]
         return self._expected(scene, inputs, tuple(texts))
 
-    def covers(self, scene: Scene) -> bool:
-        """Return whether a scene is inside the box of the full models. Raises UserInputError for another family."""
+    def beyond(self, scene: Scene) -> list[tuple[str, str]]:
+        """Return inputs of a scene that are outside the box of the full models, and why; UserInputError: not its family."""
         self.family.check(scene, self.base)
-        return not self._outside_box(self.family.read(scene))
+        return self._outside_box(self.family.read(scene))
 
     def springs(self, scene: Scene, extrapolate: bool = False) -> xr.DataTree:
         """Return springs of a scene, as `pysprings.extract_springs` does for a full model; see `estimate`."""

@@ -162,6 +162,14 @@ def test_diameters_end_where_the_atlas_covers_a_vertical_load_no_more(loaded):
     assert edge is not None and (edge.D, edge.governs) == (low, EDGE)
 
 
+def test_a_refusal_names_the_inputs_that_bound_the_diameter(loaded):
+    """With E 60 MPa E/(gamma' D) is 640 at D 9.4 m; V of 3 MN asks for D of 7 m."""
+    soft = replace(loaded.wanted, tilt=1e-9, cases=replace(loaded.wanted.cases, tilt=np.full(2, 1e-9)))
+    soft = replace(soft, changes=tuple(read_changes(["E=60 MPa"])))
+    with pytest.raises(UserInputError, match=r"where E/\(gamma' D\) and V/\(gamma' D\^3\) leave it"):
+        Search(loaded.atlas, soft).least()
+
+
 def test_a_value_that_no_diameter_covers_is_named(loaded):
     faults = {"mu=0.9": "mu: 0.9 is outside the atlas", "soil.poisson_ratio=0.2": "the atlas holds for 0.3"}
     for value, named in faults.items():
