@@ -16,8 +16,11 @@ Both are integrated over the increment, so that monotonic paths do not depend on
     c_g = 1/((1 + a g_old)(1 + a g_new)),   c_p = (p_new - p_old)/(K_0 c_g de_v),   int dp/c_p(p) = K_0 c_g de_v.
 
 p_new is that of the elastic trial. The law returns this trial with moduli c K_0 and c G_0. A change of p by plastic
-flow alone acts in the next increment. With h the derivative of the law's answer by c, by central differences of
-relative size STEP (K_0, G_0 : de where elastic), the tangent is that of the law plus h dc/de; it is not symmetric.
+flow alone acts in the next increment. With h the derivative of the law's answer by c the tangent is T, that of the law,
+plus h dc/de; it is not symmetric. The plastic strain e, which grows by dl/c at the same trial stress, is all that makes
+the answer depend on c by itself, so
+
+    h = (T : de - (e_new - e_old) dsigma/de_old)/c,     T : de/c = (K_0, G_0) : de where elastic.
 """
 
 from __future__ import annotations
@@ -31,10 +34,9 @@ from fe_engine.conventions import OK, REGIME_ELASTIC, REGIME_STIFFNESS
 from fe_engine.soil import plasol
 from fe_engine.soil.elastic import add_elastic_stress, subtract_elastic_tangent
 from fe_engine.soil.frictional import SURFACES
-from fe_engine.soil.law import Point, SoilLaw
+from fe_engine.soil.law import SoilLaw
 
 FLOOR, CEILING = 0.01, 100.0  # of the initial mean stress
-STEP = 1.0e-5
 _SMALL = 1.0e-6  # relative change of the mean stress below which its Taylor series is exact to rounding
 
 _WIDTH = max(len(law.parameters) for law in SURFACES)
@@ -51,6 +53,7 @@ HISTORY = (*plasol.HISTORY, "e_xx", "e_yy", "e_zz", "g_xy", "g_yz", "g_zx")
 GAMMA_07 = 0.385  # a g_07: the secant modulus there is 72.2 % of the initial one
 
 _returned = SURFACES.chain("update", "p, strain, old, new, tangent, with_tangent", __name__)
+_hardened = SURFACES.chain("hardened", "p, strain, regime, old, new, out", __name__)
 
 
 def pack(
@@ -173,14 +176,16 @@ def update(p, strain, old, new, tangent, with_tangent):
     if status != OK:
         return status, regime
     if with_tangent:
-        by_factor = np.zeros(6)
-        if regime == REGIME_ELASTIC:
-            add_elastic_stress(p[BULK], p[SHEAR], strain, by_factor)
-        else:
-            _by_difference(p, scaled, factor, strain, old, by_factor)
+        by_factor, grown = np.zeros(6), new.history[0] - old.history[0]
+        if regime != REGIME_ELASTIC:
+            _hardened(int(p[SURFACE]), scaled, strain, regime, old, new, by_factor)
+        for i in range(6):
+            by_factor[i] *= -grown
+            for j in range(6):
+                by_factor[i] += tangent[i, j] * strain[j]
         for j in range(6):
             for i in range(6):
-                tangent[i, j] += by_factor[i] * gradient[j]  # h dc/d(eps)
+                tangent[i, j] += by_factor[i] * gradient[j] / factor  # h dc/d(eps)
     return OK, REGIME_STIFFNESS if regime == REGIME_ELASTIC else regime
 
 
@@ -205,18 +210,6 @@ def relax(p, moduli, share, strain, old, new, tangent, with_tangent):
         for j in range(6):
             for i in range(6):
                 tangent[i, j] += rest / share * by_factor[i] * gradient[j]
-
-
-@njit
-def _by_difference(p, scaled, factor, strain, old, out):
-    """Write the derivative (6,) in Pa of the law's answer by the factor of its moduli."""
-    stress, history, unused = np.empty(6), np.empty(len(old.history)), np.empty((6, 6))
-    for sign in (1.0, -1.0):
-        moved = factor * (1.0 + sign * STEP)
-        scaled[BULK], scaled[SHEAR] = moved * p[BULK], moved * p[SHEAR]
-        _returned(int(p[SURFACE]), scaled, strain, old, Point(stress, history), unused, False)
-        for i in range(6):
-            out[i] += sign * stress[i] / (2.0 * STEP * factor)
 
 
 LAW = SoilLaw("following", PARAMETERS, HISTORY, pack, initial_moduli, update, relax)

@@ -42,6 +42,9 @@ class SoilLaw:
     relax : jitted function (p, moduli, share, strain, old, new, tangent, with_tangent) that turns the answer into the
         viscous one, and the tangent T into one of which C + share (T - C) is consistent, see `viscous`; None for a law
         whose elastic stiffness C is that of ``moduli``, K and G, at all times.
+    hardened : jitted function (p, strain, regime, old, new, out) that writes the derivative (6,) in Pa of the stress of
+        an answer, which ``new`` and ``regime`` are, by the plastic strain before; of frictional surfaces, for
+        `following`, alone.
     symmetric : whether every tangent is symmetric and positive definite, so that half of the factors will do.
     yields : whether points can leave the elastic regime.
     isotropic : whether no direction is preferred; a law that is not prefers the vertical, z.
@@ -54,6 +57,7 @@ class SoilLaw:
     moduli: Callable[[np.ndarray], tuple[Any, Any]]
     update: Any
     relax: Any = None
+    hardened: Any = None
     symmetric: bool = False
     yields: bool = True
     isotropic: bool = True

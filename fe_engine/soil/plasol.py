@@ -241,4 +241,23 @@ def _apex_tangent(p, drift, first, second, trial, tangent):
             tangent[i, j] += factor * n_j
 
 
-LAW = SoilLaw("drucker-prager", PARAMETERS, HISTORY, pack, elastic_moduli, update)
+@lean
+def hardened(p, strain, regime, old, new, out):
+    """Write the derivative (6,) of an answer by the plastic strain before, see law.SoilLaw."""
+    m, k, dm, dk = strength(p, new.history[KAPPA])
+    if regime == REGIME_APEX:
+        for i in range(6):
+            moves = i < 3 and k > 0.0
+            out[i] = (1.0 - APEX_STIFFNESS) * (dk - k / m * dm) / m / 3.0 if moves else 0.0  # d(k/m)/de
+        return
+    first = new.stress[0] + new.stress[1] + new.stress[2]
+    second = second_invariant(new.stress, first / 3.0)
+    by_strain = dm * first - dk  # df/de
+    swells = 9.0 * p[BULK] * p[M_PSI]  # -dI/d(dl)
+    d_dl = by_strain / (p[SHEAR] + m * swells - by_strain / _SQRT3)  # f stays 0
+    for i in range(6):
+        along = _deviator(new.stress, first, i) / second if second > 0.0 else 0.0
+        out[i] = -d_dl * (p[SHEAR] * along + (swells / 3.0 if i < 3 else 0.0))
+
+
+LAW = SoilLaw("drucker-prager", PARAMETERS, HISTORY, pack, elastic_moduli, update, hardened=hardened)

@@ -35,7 +35,7 @@ from fe_engine.conventions import LAW_NOT_CONVERGED, OK, REGIME_APEX, REGIME_CON
 from fe_engine.soil import formulas
 from fe_engine.soil.elastic import add_elastic_stress, elastic_tangent, moduli
 from fe_engine.soil.law import SoilLaw, rows
-from fe_engine.soil.lode import lode, section, shape
+from fe_engine.soil.lode import lode, section, shape_of_slope
 from fe_engine.soil.plasol import APEX_STIFFNESS, HISTORY, KAPPA, MAX_ITERATIONS, bracketed, second_invariant
 
 PARAMETERS = (
@@ -71,8 +71,8 @@ _slope, dilatancy_index = lean(formulas.cone_slope), lean(formulas.dilatancy_ind
 @lean
 def mobilised(p, most, kappa):
     """Return sin(phi), its derivative by e, m_psi and its derivative; ``most`` is I_R, ``kappa`` e."""
-    decay = math.exp(-kappa / p[SCALE])
     power = -math.expm1(-kappa / p[SCALE])  # x^n
+    decay = 1.0 - power
     share = max(power, _LEAST) ** (1.0 / p[EXPONENT])
     d_share = share * decay / (p[EXPONENT] * power * p[SCALE]) if power > _LEAST else 0.0
     ratio = (kappa / p[FADE]) ** 2
@@ -94,8 +94,7 @@ def _surface(sine, cos3):
     """Return a = rho m of a mobilised friction angle, da/d(sin phi), and b."""
     m = _slope(sine)
     d_m = 6.0 / (_SQRT3 * (3.0 - sine) ** 2)  # dm/d(sin phi)
-    phi = math.asin(sine)
-    b = shape(phi)
+    b = shape_of_slope(m)
     rho = section(b, cos3)
     third = sine / 3.0
     d_b = (1.0 - b * b) / formulas.EXPONENT / (3.0 * (1.0 - third * third))  # b = tanh(atanh(sin phi/3)/n)
@@ -116,13 +115,12 @@ def _excess(p, most, kappa_old, trial, dl):
 
 
 @lean
-def _multiplier(p, most, kappa_old, trial):
-    """Return the root dl of f on [0, II_tr/G] by Newton kept inside a shrinking bracket."""
+def _multiplier(p, most, kappa_old, trial, f, slope):
+    """Return the root dl of f on [0, II_tr/G] by Newton kept inside a shrinking bracket; f and its slope are at 0."""
     low, high = 0.0, trial[1] / p[SHEAR]
     scale = trial[1] + abs(trial[0])
     dl = 0.0
     for _ in range(MAX_ITERATIONS):
-        f, slope = _excess(p, most, kappa_old, trial, dl)
         if f > 0.0:
             low = dl
         else:
@@ -131,6 +129,7 @@ def _multiplier(p, most, kappa_old, trial):
             return dl, OK
         step = dl - f / slope if slope < 0.0 else low  # Newton, bisection where it leaves the bracket
         dl = bracketed(step, low, high)
+        f, slope = _excess(p, most, kappa_old, trial, dl)
     return dl, OK if abs(f) <= 1.0e-9 * scale else LAW_NOT_CONVERGED
 
 
@@ -148,20 +147,22 @@ def update(p, strain, old, new, tangent, with_tangent):
     second = second_invariant(stress, first / 3.0)
     state = lode(stress, first, max(second, _TINY))
     trial = (first, second, state.cos3)
-    if first <= 0.0 and _excess(p, most, kappa_old, trial, 0.0)[0] <= 0.0:
+    f, slope = _excess(p, most, kappa_old, trial, 0.0)
+    if first <= 0.0 and f <= 0.0:
         history[KAPPA] = history_old[KAPPA]
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], 1.0, tangent)
         return OK, REGIME_ELASTIC
-    # f > 0 with all of II returned: no point of the surface is close enough
-    if _excess(p, most, kappa_old, trial, second / p[SHEAR])[0] >= 0.0:
-        history[KAPPA] = history_old[KAPPA] + second / (_SQRT3 * p[SHEAR])  # all of II_tr flows: dl = II_tr/G
+    # I > 0 with all of II returned, dl = II_tr/G: no point of the surface is close enough
+    whole = second / p[SHEAR]
+    if first - 9.0 * p[BULK] * mobilised(p, most, kappa_old + whole / _SQRT3)[2] * whole >= 0.0:
+        history[KAPPA] = history_old[KAPPA] + whole / _SQRT3
         for i in range(6):
             stress[i] *= APEX_STIFFNESS
         if with_tangent:
             elastic_tangent(p[BULK], p[SHEAR], APEX_STIFFNESS, tangent)
         return OK, REGIME_APEX
-    dl, status = _multiplier(p, most, kappa_old, trial)
+    dl, status = _multiplier(p, most, kappa_old, trial, f, slope)
     history[KAPPA] = history_old[KAPPA] + dl / _SQRT3
     _return(p, (most, kappa_old), state, dl, stress, tangent, with_tangent)
     return status, REGIME_CONE
@@ -205,9 +206,29 @@ def root_of_two(trial, i):
     return math.sqrt(2.0) * trial.second * trial.n[i]
 
 
+@lean
+def hardened(p, strain, regime, old, new, out):
+    """Write the derivative (6,) of an answer by the plastic strain before, see law.SoilLaw."""
+    for i in range(6):
+        out[i] = 0.0
+    if regime == REGIME_APEX:  # a share of the trial stress
+        return
+    dl = _SQRT3 * (new.history[KAPPA] - old.history[KAPPA])
+    first = new.stress[0] + new.stress[1] + new.stress[2]
+    at = lode(new.stress, first, max(second_invariant(new.stress, first / 3.0), _TINY))
+    most = dilatancy_index(p[DENSITY], p[CRUSHING], -(old.stress[0] + old.stress[1] + old.stress[2]) / 3.0)
+    sine, d_sine, m_psi, d_psi = mobilised(p, most, new.history[KAPPA] + p[KAPPA_0])
+    a, d_a, _ = _surface(sine, at.cos3)
+    swells, more = 9.0 * p[BULK] * (m_psi + d_psi * dl / _SQRT3), 9.0 * p[BULK] * d_psi * dl  # -dI/d(dl), -dI/de_old
+    strength = d_a * d_sine * first
+    d_dl = (strength - a * more) / (p[SHEAR] + a * swells - strength / _SQRT3)  # f stays 0
+    for i in range(6):
+        out[i] = -math.sqrt(2.0) * p[SHEAR] * d_dl * at.n[i] - ((swells * d_dl + more) / 3.0 if i < 3 else 0.0)
+
+
 def elastic_moduli(p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the bulk and shear modulus in Pa of packed parameters (..., n)."""
     return p[..., BULK], p[..., SHEAR]
 
 
-LAW = SoilLaw("sand", PARAMETERS, HISTORY, pack, elastic_moduli, update)
+LAW = SoilLaw("sand", PARAMETERS, HISTORY, pack, elastic_moduli, update, hardened=hardened)

@@ -50,6 +50,7 @@ from fe_engine.soil.plasol import BULK, COHESION, KAPPA, M_PSI, PHI_F, SHEAR, mo
 cone_slope, second_invariant, bracketed = plasol.cone_slope, plasol.second_invariant, plasol.bracketed
 _SQRT3, _SQRT6 = math.sqrt(3.0), math.sqrt(6.0)
 MAX_ITERATIONS = 80
+_TINY = 1.0e-30  # Pa, of a stress without a deviator
 
 
 class _Point(NamedTuple):
@@ -289,4 +290,33 @@ def _symmetric_product(a, b):
     )
 
 
-LAW = SoilLaw("van-eekelen", plasol.PARAMETERS, plasol.HISTORY, plasol.pack, plasol.elastic_moduli, update)
+@lean
+def hardened(p, strain, regime, old, new, out):
+    """Write the derivative (6,) of an answer by the plastic strain before, see law.SoilLaw."""
+    if regime == REGIME_APEX:
+        plasol.hardened(p, strain, regime, old, new, out)
+        return
+    for i in range(6):
+        out[i] = old.stress[i]
+    add_elastic_stress(p[BULK], p[SHEAR], strain, out)
+    first, end = out[0] + out[1] + out[2], new.stress[0] + new.stress[1] + new.stress[2]
+    trial = lode(out, first, second_invariant(out, first / 3.0))
+    second = second_invariant(new.stress, end / 3.0)
+    there = lode(new.stress, end, max(second, _TINY))
+    b_psi = shape_of_slope(p[M_PSI])
+    turn = turn_of(b_psi, there.cos3, there.sin3)[0]
+    way = p[SHEAR] * _SQRT3 * (new.history[KAPPA] - old.history[KAPPA]) / math.sqrt(1.0 + turn * turn)  # G dl
+    w = way / (way + second)
+    at = _evaluate(p, b_psi, old.history[KAPPA], trial, w, math.atan(w * turn))
+    d_f = -at.rho_kappa * at.reach - at.rho * at.reach_kappa  # by the plastic strain before, at the same w
+    dw = -d_f / _change(p, trial, at, 1.0, 0.0, 0.0, 0.0)[3]  # f stays 0
+    new_second, d_delta, new_first, _, _ = _change(p, trial, at, dw, 0.0, 0.0, 0.0)
+    cosine, sine = math.cos(at.delta), math.sin(at.delta)
+    along, across = new_second * cosine - at.second * sine * d_delta, new_second * sine + at.second * cosine * d_delta
+    for i in range(6):
+        out[i] = math.sqrt(2.0) * (along * trial.n[i] - across * trial.across[i]) + (new_first / 3.0 if i < 3 else 0.0)
+
+
+LAW = SoilLaw(
+    "van-eekelen", plasol.PARAMETERS, plasol.HISTORY, plasol.pack, plasol.elastic_moduli, update, hardened=hardened
+)

@@ -16,9 +16,9 @@ SURFACES = {"cone": plasol.LAW, "van-eekelen": van_eekelen.LAW}
 ISOTROPIC, SIMPLE = -np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]) / 3.0, np.eye(6)[3]
 
 
-def make(exponent=0.5, strain=None, cohesion=1e9, phi=30.0, surface="cone", least=0.2):
+def make(exponent=0.5, strain=None, cohesion=1e9, phi=30.0, surface="cone", least=0.2, psi=0.0):
     """Packed parameters; with the default cohesion nothing yields."""
-    rows = SURFACES[surface].pack(YOUNG, POISSON, 5.0 * DEGREE, phi * DEGREE, 0.005, 0.0, cohesion)
+    rows = SURFACES[surface].pack(YOUNG, POISSON, 5.0 * DEGREE, phi * DEGREE, 0.005, psi * DEGREE, cohesion)
     return following.pack(SURFACES[surface], rows, PRESSURE, exponent, strain, least)
 
 
@@ -118,10 +118,10 @@ CASES = {"inside": (1e9, PUSH, REGIME_STIFFNESS), "cone": (0.0, PUSH, REGIME_CON
 
 @pytest.mark.parametrize("surface", SURFACES)
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize(("exponent", "strain"), [(0.5, None), (0.0, 1e-3), (0.5, 1e-3)])
-def test_tangent_is_the_derivative_in_every_regime(surface, case, exponent, strain):
+@pytest.mark.parametrize(("exponent", "strain", "psi"), [(0.5, None, 0.0), (0.0, 1e-3, 20.0), (0.5, 1e-3, 10.0)])
+def test_tangent_is_the_derivative_in_every_regime(surface, case, exponent, strain, psi):
     cohesion, push, regime = CASES[case]
-    p = make(exponent, strain, cohesion, surface=surface, least=0.05)
+    p = make(exponent, strain, cohesion, surface=surface, least=0.05, psi=psi)
     old = step(p, 0.3 * push, start())[0] if case == "inside" else start()
     assert step(p, push, old)[2] == regime
     tangent = step(p, push, old)[1]
