@@ -146,7 +146,7 @@ class Atlas:
         return self._expected(scene, inputs, tuple(texts))
 
     def beyond(self, scene: Scene) -> list[tuple[str, str]]:
-        """Return inputs of a scene that are outside the box of the full models, and why; UserInputError: not its family."""
+        """Return inputs of a scene outside the box of the full models, and why; UserInputError: another family."""
         self.family.check(scene, self.base)
         return self._outside_box(self.family.read(scene))
 
