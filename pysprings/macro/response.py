@@ -316,8 +316,8 @@ class RowSprings(Response):
 
     @cached_property
     def _track(self) -> Array:
-        """States (u, rotation*L) [m] of the path."""
-        return np.stack([self.origin.u, self.origin.turn], axis=1)
+        """States (u, rotation*L) [m] of the path, as far as springs keep it: up to where it turns."""
+        return np.stack([self.origin.u, self.origin.turn], axis=1)[: self.table.count[self._counted].max()]
 
     def _lateral(self, states: Array) -> Array:
         """Return the net p (depth, step) [N/m] that the springs give; 0 where the set has no spring at that depth."""
@@ -342,7 +342,8 @@ class RowSprings(Response):
         lead = int(np.argmax(track[-1] * [1.0, 0.999]))
         motion = np.abs(u) if lead == 0 else np.abs(rotation) * self.origin.length
         grows = np.maximum.accumulate(track[:, lead])
-        return np.interp(motion, grows, self.origin.w), np.interp(motion, grows, self.origin["V"])
+        w, V = (np.interp(motion, grows, each[: grows.size]) for each in (self.origin.w, self.origin["V"]))
+        return w, V
 
     def _notes(self, distance: Array, off: Marks) -> list[str]:
         """Return a sentence on states that are far from the one path the springs come from."""

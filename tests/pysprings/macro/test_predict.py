@@ -252,6 +252,24 @@ def test_springs_of_a_path_that_turns_back_end_where_it_turns(spring_set):
     assert answer["extrapolated"].values.tolist() == [0, 0, 1]
 
 
+@pytest.mark.parametrize("spring_set", ["full", "py"])
+def test_where_springs_of_a_path_end_they_leave_it_and_keep_its_w(spring_set):
+    """A caisson that slides, then turns at the same u: every curve ends at the corner, so does what goes with them."""
+    tree = make_springs((Path("push", "translation"), Path("swipe", "translation")))
+    slid = tree["paths/swipe"].to_dataset(inherit=False)
+    n = slid.sizes["step"]
+    there = slid.isel(step=[*range(n), *[n - 1] * n])
+    turn, w = np.repeat([0.0, 1e-3], n) * np.linspace(0.0, 1.0, 2 * n), np.linspace(0.0, -1e-4, 2 * n)
+    there = there.assign(rotation=("step", turn), w=("step", w)).assign_coords(step=np.arange(2 * n))
+    y = (there["u"] - there["rotation"] * there["depth"]).transpose(*there["y"].dims)
+    tree["paths/swipe"].dataset = there.assign(y=y).assign_attrs(kind="swipe")
+    end = float(slid["u"][-1])
+    model = MacroModel.from_springs(tree, spring_set, "swipe")
+    answer = trace(model, "state", np.array([[0.5 * end, 0.0], [end, 0.0], [end, 1e-3]]))
+    np.testing.assert_allclose(answer["w"][:2], np.interp([0.5 * end, end], slid["u"], w[:n]))
+    assert answer["off_path"].values.tolist() == [0, 0, 1]
+
+
 def test_springs_are_odd():
     springs = make_springs()
     right, left = curve(springs, u_max=3e-3, n=7), curve(springs, u_max=-3e-3, n=7)
