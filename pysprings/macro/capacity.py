@@ -17,7 +17,7 @@ and at this vertical load comes first: beyond it the macro-model has no answer, 
 path met a limit load (`past_ends`). Where V is beyond the largest known vertical load, no H and M are known.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -33,7 +33,7 @@ from pysprings.core.words import NOT_KNOWN, RANGE_END
 from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.vertical import covered, share_left
-from pysprings.macro.vertical_answer import SLACK, vertical_use
+from pysprings.macro.vertical_answer import SLACK, Carrier, vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SAME_DIRECTION
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
@@ -128,10 +128,16 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     )
     if not len(loads):
         return added
-    found = largest.attributes()
-    if found.get("capacity_kind", NOT_KNOWN) != NOT_KNOWN and int(answer.get("off_load", np.zeros(1))[-1]):
-        found["capacity_from"] += f"; at V = {with_prefix(model.origin.load, 'N')} of the springs, not at this V"
-    return added.assign_attrs(found)
+    return added.assign_attrs(at_its_load(model, answer, largest).attributes())
+
+
+def at_its_load(model: MacroModel, answer: xr.Dataset, largest: Capacities) -> Capacities:
+    """Return the capacities of an answer with words where they are at V of the springs, which do not hold at this V."""
+    off = answer["off_load"].values == 1 if "off_load" in answer else np.zeros(len(largest.kind), dtype=bool)
+    largest.source[off & (largest.kind != "") & (largest.kind != NOT_KNOWN)] += (
+        f"; at V = {with_prefix(model.origin.load, 'N')} of the springs, not at this V"
+    )
+    return largest
 
 
 def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation: Array) -> xr.Dataset:
@@ -304,13 +310,25 @@ def past_ends(
     used (n,) is the range that the lateral springs use, loads (n, 2) = (H, M), V (n,) [N] the vertical load, aim
     (H, M) the load behind the last state that the springs did not carry (None: all were).
     """
-    n, marks, ends = len(states), np.zeros(len(states), dtype=bool), dict[str, str]()
-    down = {} if model.vertical is None else {branch.path: branch.largest for branch in model.vertical.branches}
+    n = len(states)
     if aim is not None:
         loads, V = np.vstack([loads, aim]), np.append(V, V[-1:]) if V is not None and V.size else None
-    for end, beyond in (*_ranges(model, states, used), *_capacities(model, loads, V), *_vertical_ends(model, V)):
+    marks, texts = past_limits(model, loads, V, _ranges(model, states, used))
+    return marks[:n], texts
+
+
+def past_limits(
+    model: Carrier, loads: Array, V: Array | None, more: Iterable[tuple[PathEnd, Marks]] = ()
+) -> tuple[Marks, list[str]]:
+    """Return which loads (n, 2) = (H, M) at V (n,) [N] are beyond a limit load, and a sentence on each such path.
+
+    more : further ends of paths, and the states beyond each, the first ones of the loads.
+    """
+    marks, ends = np.zeros(len(loads), dtype=bool), dict[str, str]()
+    down = {} if model.vertical is None else {branch.path: branch.largest for branch in model.vertical.branches}
+    for end, beyond in (*more, *_capacities(model, loads, V), *_vertical_ends(model, V)):
         if beyond.any():
-            marks |= beyond[:n]
+            marks[: len(beyond)] |= beyond
             at = f", at V = {with_prefix(down[end.path], 'N')}" if end.path in down else ""
             ends[end.path] = f"{end}{at}"
     return marks, [f"the answer is beyond what the full model carried: {words}" for words in ends.values()]
@@ -325,7 +343,7 @@ def _ranges(model: MacroModel, states: Array, used: Array) -> Iterator[tuple[Pat
     yield from model.response.beyond(failed, states, over)
 
 
-def _vertical_ends(model: MacroModel, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+def _vertical_ends(model: Carrier, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
     """Yield the limit loads of vertical paths, and the vertical loads (n,) [N] beyond each."""
     if V is None or model.vertical is None:
         return
@@ -335,7 +353,7 @@ def _vertical_ends(model: MacroModel, V: Array | None) -> Iterator[tuple[PathEnd
             yield end, over
 
 
-def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+def _capacities(model: Carrier, loads: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
     """Yield limit loads of paths, and the loads beyond each, in its direction (or the opposite) and at its V."""
     plane = loads / [1.0, model.length]
     size = np.hypot(*plane.T)
@@ -344,7 +362,7 @@ def _capacities(model: MacroModel, loads: Array, V: Array | None) -> Iterator[tu
         yield end, along & (size > np.hypot(end.H, end.M / model.length) * (1.0 + RANGE_SLACK))
 
 
-def limit_loads_along(model: MacroModel, directions: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
+def limit_loads_along(model: Carrier, directions: Array, V: Array | None) -> Iterator[tuple[PathEnd, Marks]]:
     """Yield limit loads of paths, the smallest last, and which directions (n, 2) in (H, M/L) are theirs, or opposite.
 
     V (n,) [N] is that of the directions; None: all are at the V of every path.

@@ -48,6 +48,11 @@ class Carrier(Protocol):
     """What carries vertical loads; attributes as those of `MacroModel`."""
 
     @property
+    def length(self) -> float:
+        """Skirt length [m]."""
+        ...
+
+    @property
     def vertical(self) -> VerticalTable | None:
         """Vertical springs."""
         ...

@@ -18,9 +18,10 @@ from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import BeyondSprings, Problem, refused
-from pysprings.core.loads import same_loads
+from pysprings.core.loads import in_plane, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.units import quoted
+from pysprings.macro.capacity import past_limits
 from pysprings.macro.fan import WIDEST
 from pysprings.macro.fan_springs import sector_notes
 from pysprings.macro.model import elastic_loads
@@ -245,6 +246,13 @@ class SpaceSprings:
         reach = np.where(on_ray, own, np.minimum(low[:, 1], high[:, 1]))
         return np.where(on_ray, 0.0, high[:, 0] - low[:, 0]), reach
 
+    def _refusals(self, pushes: Array, V: Array | None) -> list[str]:
+        """Return sentences on loads (n, 5), H and M in the plane of H, and V (n,) [N] beyond limit loads."""
+        force, moment = pushes[:, :2], pushes[:, 2:4]
+        plane = in_plane(force, np.stack([moment[:, 1], -moment[:, 0]], axis=1))
+        down = np.full(len(pushes), self.V) if V is None else V[: len(pushes)]
+        return past_limits(self, np.stack([plane.H, plane.M], axis=1), down)[1]
+
     def torsion_apart(self, pushes: Array) -> Marks:
         """Return where both torsion and a lateral load act, for loads (n, 5)."""
         loads = self.loads_of(pushes)
@@ -290,7 +298,7 @@ class SpaceSprings:
         attrs = {
             "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
-            "beyond_range": beyond, "refusals": [],
+            "beyond_range": beyond, "refusals": self._refusals(targets[: n + 1] if control == "load" else pushes, V),
             "remarks": [HEAVE.format(own)],
         }  # fmt: skip
         p = dict(zip(("p_x", "p_y"), self.reactions(turns), strict=True))

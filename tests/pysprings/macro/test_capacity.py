@@ -161,4 +161,7 @@ def test_a_vertical_load_near_that_of_the_springs_takes_its_part_of_the_largest_
     assert float(far.H[0]) == float(own.H[0]) or far.kind[0] == NOT_KNOWN
     with pytest.warns(MacroWarning, match="lateral springs unchanged"):
         answer = predict(model, H=2e5, M=4e5, V=1.5 * REST)
-    assert answer.attrs["capacity_from"].endswith(f"; at V = {with_prefix(REST, 'N')} of the springs, not at this V")
+    words = f"; at V = {with_prefix(REST, 'N')} of the springs, not at this V"
+    assert answer.attrs["capacity_from"].endswith(words)
+    both = predict_batch(model, H=2e5, M=4e5, V=np.array([REST, 1.5 * REST]))["capacity_from"].values
+    assert [text.endswith(words) for text in both] == [False, True]

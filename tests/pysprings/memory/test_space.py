@@ -269,6 +269,23 @@ def test_what_the_springs_do_not_cover_is_marked_or_refused() -> None:
     assert compare_in_space(calibrated(twisted=False))["T_error_max_pct"].isna().all()
 
 
+def test_beyond_a_limit_load_of_the_full_model_there_is_no_answer_in_any_direction() -> None:
+    """It holds at its V and for H and M in its ratio, in the plane of H; the springs go on beyond."""
+    tree = calibrated().copy(deep=True)
+    name, ray = next((name, node) for name, node in tree["paths"].children.items() if not node["rotation"].any())
+    H, M = (0.5 * float(ray[each][-1]) for each in "HM")
+    ray.attrs |= {"end": "limit load", "end_reason": "limit load", "end_H_N": H, "end_M_Nm": M}
+    c, s = np.cos(0.7), np.sin(0.7)
+    load = np.array([[c * H, s * H, -s * M, c * M, 0.0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MacroWarning)
+        assert sequence_in_space(tree, 0.99 * load).sizes["step"] == 1
+        for V in (None, 2e6):
+            with pytest.raises(BeyondSprings, match=f"beyond what the full model carried: path '{name}' met a limit"):
+                sequence_in_space(tree, np.vstack([1.01 * load, 0.0 * load]), V=V, extrapolate=True)
+        assert sequence_in_space(tree, 1.01 * load, V=1e6)["off_load"][0] == 1
+
+
 def test_a_damaged_path_out_of_the_plane_is_refused(tmp_path) -> None:
     for name, change, words in (
         ("H_x", lambda path: path["H_x"].values.__setitem__(3, np.nan), "space/circle/H_x: not finite"),
