@@ -23,6 +23,9 @@ LABELS = {
     "memory_GB": "memory, estimated [GB]",
     "disk_GB": "full_model.nc, estimated [GB]",
     "time_s": "time, estimated [s]",
+    "runs_at_most": "runs, at most; memory and time below are of the first",
+    "further_run_least": "time of a further run over that of the one before, from",
+    "further_run_most": "to",
     "memory_with_pardiso_GB": "memory with Pardiso (extra mkl) [GB]",
     "time_with_pardiso_s": "time with Pardiso (extra mkl) [s]",
     "domain_radius_over_diameter": "radius of the domain over the diameter",
@@ -63,12 +66,13 @@ def check(
 ) -> None:
     """Validate a scene; print its defaults, what it leaves out, the size of the model and its cost. Solves nothing."""
     from pysprings.cli.run import target_start
+    from pysprings.full_model.accuracy.target import runs_ahead
     from pysprings.model.forecast.estimate import describe
 
     loaded, chosen = on_mesh(load(scene, discretisation, changes), mesh), {}
     if target is not None:
         loaded = target_start(loaded, target, mesh)
-        chosen = {"target_error": {"target": target, "begins_with": loaded.mesh.preset}}
+        chosen = {"target_error": {"target": target, "begins_with": loaded.mesh.preset} | runs_ahead()}
     about = chosen | describe(loaded)
     if as_json:
         print_json(description(scene, loaded, about))

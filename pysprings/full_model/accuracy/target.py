@@ -74,6 +74,11 @@ def finer(scene: Scene, noted: Mapping[str, Any]) -> tuple[Scene | None, str]:
     return scene.replace(mesh={"refinement": refinement}), ""
 
 
+def runs_ahead() -> dict[str, float]:
+    """Return how many runs a target may take, and between what times of the one before each further one takes."""
+    return {"runs_at_most": ATTEMPTS, "further_run_least": LEAST**GROWTH, "further_run_most": LARGEST**GROWTH}
+
+
 def cost(seconds: float, before: Scene, after: Scene) -> float:
     """Return the seconds that a run on the next mesh may take, from those of the one before."""
     return seconds * (after.mesh.refinement / before.mesh.refinement) ** GROWTH

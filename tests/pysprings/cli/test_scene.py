@@ -105,6 +105,15 @@ def test_check_with_another_mesh(scene_file: Path) -> None:
     assert fine["scene_sha256"] == load_scene(scene_file).replace(mesh={"preset": "fine"}).sha256
 
 
+def test_check_of_a_target_error_names_the_first_run_and_what_may_follow(scene_file: Path) -> None:
+    """A further mesh has 1.2 to 2 times the cells in each direction; a run grows with the third power."""
+    about = json.loads(command("check", scene_file, "--target-error", "2%", "--json").out)
+    target, alone = about["target_error"], json.loads(command("check", scene_file, "--mesh", "medium", "--json").out)
+    assert (target["target"], target["begins_with"], target["runs_at_most"]) == ("2%", "medium", 4)
+    assert (target["further_run_least"], target["further_run_most"]) == pytest.approx((1.2**3, 8.0))
+    assert about["time_s"] == alone["time_s"]
+
+
 def test_check_refuses_a_scene_with_every_problem() -> None:
     bad = "[interface]\nfriction_coeficient = 0.5\n[caisson]\nposition = 1\n[domain]\nside = 3\n"
     Path("bad.toml").write_text(tiny.grounded(bad))
