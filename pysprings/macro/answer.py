@@ -14,7 +14,7 @@ from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
 from pysprings.core.loads import same_loads
 from pysprings.macro.capacity import past_ends
 from pysprings.macro.model import MacroModel
-from pysprings.macro.response import Support
+from pysprings.macro.response import Between, Support
 from pysprings.macro.vertical_answer import Down, vertical_answer
 from pysprings.macro.ways import RANGE_SLACK, Along, Control, Limit, Turns
 from pysprings.springs.path_ends import MESH_ERROR
@@ -43,6 +43,7 @@ class Way:
     arm : height of the load [m]; None for independent cases.
     message : where the way ended before its aim; empty where it did not.
     time : (n,) [s] of the states from rest; None: not known.
+    between : the way to the states (`pysprings.macro.response.Response.between`).
     along : what of the way is to be marked.
     """
 
@@ -54,6 +55,7 @@ class Way:
     message: str = ""
     along: Along = field(default_factory=Along)
     time: Array | None = None
+    between: Between | None = None
 
 
 def trace(
@@ -75,7 +77,8 @@ def trace(
     n = len(states)
     down, at = V[:n] if isinstance(V, np.ndarray) else V, None if time is None else time[:n]
     along = model.response.along(control, targets, arm, states, down, model.rest_load)
-    answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message, along, at))
+    between = model.response.between(control, targets[:n], arm, states, down) if n else None
+    answer = answer_dataset(model, Way(states, loads, control, down, float(arm), message, along, at, between))
     return answer if at is None else _timed(model, answer, states, at)
 
 
@@ -95,7 +98,7 @@ def _timed(model: MacroModel, answer: xr.Dataset, states: Array, time: Array) ->
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
     """Return the states and loads of a way as a dataset by step, with w, V, p, the stiffness, and marks."""
     states, u, rotation = way.states, *way.states.T
-    support = model.response.support(states, way.time, way.V)
+    support = model.response.support(states, way.time, way.V, way.between)
     down = vertical_answer(model, support.w, support.V, way.V, states)
     depth = model.origin.depth
     nowhere = np.zeros(u.size, dtype=bool)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arrays import Array, Marks
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.text import with_prefix
 from pysprings.macro.curve_table import SpringTable
 from pysprings.macro.solver import ROWS, SpringArrays, follow, reactions, row_values, solve_cases, tangents
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from pysprings.macro.vertical import VerticalTable
 
 
+Between = tuple[Array, Integers]  # states (m, 2) on a way, and the places (n,) of those that are asked for
 ELASTIC = "the springs are nonlinear elastic: a path that turns back goes back on the same curve, without hysteresis"
 
 
@@ -97,8 +98,17 @@ class Response(Protocol):
 
     # --- each kind of springs has its own ---
 
-    def support(self, states: Array, time: Array | None = None, V: float | Array | None = None) -> Support:
-        """Return what goes with states (n, 2) = (u, rotation) at times (n,) [s] under V [N], and where it holds."""
+    def support(
+        self,
+        states: Array,
+        time: Array | None = None,
+        V: float | Array | None = None,
+        between: Between | None = None,
+    ) -> Support:
+        """Return what goes with states (n, 2) = (u, rotation) at times (n,) [s] under V [N], and where it holds.
+
+        between : the way to the states, where springs remember it (`between`).
+        """
 
     def range_used(self, states: Array) -> Array:
         """Return the largest displacement of a spring over its range, by state (n, 2)."""
@@ -199,6 +209,12 @@ class Response(Protocol):
         aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
         return Along(aim, turns(control, targets[: len(states)], self.origin.length, V, rest), limit)
 
+    def between(
+        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None
+    ) -> Between | None:
+        """Return states on the way to states (n, 2), which of them are those; None: straight, or of no consequence."""
+        return None
+
     def check_state(self, asked: Literal["cases", "secant"]) -> None:
         """Raise UserInputError where independent cases, or the secant of a state, have no answer of these springs."""
         return None
@@ -261,7 +277,13 @@ class RowSprings(Response):
     sources: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
-    def support(self, states: Array, time: Array | None = None, V: float | Array | None = None) -> Support:
+    def support(
+        self,
+        states: Array,
+        time: Array | None = None,
+        V: float | Array | None = None,
+        between: Between | None = None,
+    ) -> Support:
         """Return what goes with states (n, 2), and how far they are from the path: see `Response`."""
         used, p, usable = self.range_used(states), self._lateral(states), self._usable()
         if "u" not in self.origin:

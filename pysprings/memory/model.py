@@ -8,12 +8,12 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from pysprings.core.arrays import Array, Marks
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan_springs import FanSprings
-from pysprings.macro.response import ElementRows
+from pysprings.macro.response import Between, ElementRows
 from pysprings.macro.solver import Drive
 from pysprings.macro.vertical import VerticalTable
 from pysprings.macro.ways import Along, Control, ending, equations
@@ -31,6 +31,8 @@ _NOT_ASKED = {
 }
 
 _IN_SPACE = "elements in the space of both planes, calibrated on paths out of one plane"
+
+PART = 4.0  # a way under loads is divided where its motion is longer than this, in largest steps of the elements
 
 # ways on which motions between the planes are tried: directions of (u, rotation L), motions over the reach
 _ANGLES = np.radians([-90.0, -60.0, -45.0, -30.0, 0.0, 30.0, 60.0])  # of (u, rotation L)
@@ -202,6 +204,18 @@ class MemorySprings(FanSprings):
         end = self._target(control, at)
         return found, carried, "" if n == len(way) else ending(control, end, targets[n - 1], found, carried)
 
+    def between(
+        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None
+    ) -> Between | None:
+        """Return states on the way to states (n, 2) that targets (n, 2) lead to: see `Response`.
+
+        None where motions are imposed, which go straight, where steps are short, or where the springs follow V.
+        """
+        if control == "state" or self.under(V) is not None:
+            return None
+        divided = divided_way(targets, states * self.to_motion, self.elements.largest)
+        return None if divided is None else joined(self.solve(control, divided[0], arm)[0], states, divided[1])
+
     def equations(self, control: Control, targets: Array, arm: float) -> tuple[Drive, Array]:
         """Return the equations of a control in (u, rotation*L) and (H, M/L), and their right sides (n, 2)."""
         L = self.table.length
@@ -240,12 +254,23 @@ class MemorySprings(FanSprings):
         scaled: Array = out * self.to_motion * self.to_motion[:, None]
         return scaled
 
-    def reactions(self, states: Array, time: Array | None = None, V: float | Array | None = None) -> Array:
+    def reactions(
+        self,
+        states: Array,
+        time: Array | None = None,
+        V: float | Array | None = None,
+        between: Between | None = None,
+    ) -> Array:
         """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on.
 
-        time (n,) [s] of the states, from 0 s at rest; None: at the rate of the elements. The water's part of p alone
-        depends on it, and that of springs without a rate does not. V (n,) [N]: as in `solve`.
+        The way from state to state is straight, or that of `between`. time (n,) [s] of the states, from 0 s at rest;
+        None: at the rate of the elements. The water's part of p alone depends on it, and that of springs without a rate
+        does not. V (n,) [N]: as in `solve`.
         """
+        if between is not None:
+            fine, ends = between
+            known = None if time is None else np.interp(np.arange(len(fine)), np.append(-1, ends), np.append(0.0, time))
+            return self.reactions(fine, known, V)[:, ends]
         changing = self.under(V)
         if changing is not None:
             found = changing.reactions(states * self.to_motion, _each(V, states))
@@ -276,6 +301,30 @@ class MemorySprings(FanSprings):
         e, _ = elastic_motions(self.elements.rows, fine, self.elements.largest)
         found = water.along(e, np.interp(at, last, np.concatenate([[0.0], time])), np.zeros(e.shape[1:]), water.rest)
         return found[:, ends.astype(int) - 1]
+
+
+def divided_way(targets: Array, motions: Array, largest: float) -> Between | None:
+    """Return targets on the way to targets (n, m), and which of them are those; None where the way needs no more.
+
+    Under loads in proportion a motion is not straight: its parts, to motions (n, m) [m], are of `PART` largest steps.
+    """
+    parts = np.ceil(np.linalg.norm(np.diff(motions, axis=0, prepend=0.0), axis=1) / (PART * largest)).clip(1.0)
+    if (parts == 1.0).all():
+        return None
+    number = np.repeat(parts, parts.astype(int))
+    ends = parts.cumsum().astype(int) - 1
+    at = (1.0 / number).cumsum()
+    at[ends] = np.arange(1.0, len(parts) + 1.0)
+    whole = np.vstack([np.zeros_like(targets[:1]), targets])
+    return np.stack([np.interp(at, np.arange(len(whole)), column) for column in whole.T], axis=1), ends
+
+
+def joined(way: Array, states: Array, ends: Integers) -> Between | None:
+    """Return a way through states (n, m), at its `ends`; None where it did not come to the last one."""
+    if len(way) <= ends[-1]:
+        return None
+    way[ends] = states
+    return way, ends
 
 
 def _each(V: float | Array | None, states: Array) -> Array:

@@ -25,6 +25,7 @@ from pysprings.macro.capacity import past_limits
 from pysprings.macro.fan import WIDEST
 from pysprings.macro.fan_springs import sector_notes
 from pysprings.macro.model import elastic_loads
+from pysprings.macro.response import Between
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.vertical import VerticalTable, build_vertical, covered
@@ -33,6 +34,7 @@ from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import ElementSet, SpaceElements, beyond_way
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
+from pysprings.memory.model import divided_way, joined
 from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
@@ -246,6 +248,14 @@ class SpaceSprings:
         reach = np.where(on_ray, own, np.minimum(low[:, 1], high[:, 1]))
         return np.where(on_ray, 0.0, high[:, 0] - low[:, 0]), reach
 
+    def _between(self, control: SpaceControl, targets: Array, turns: Array) -> Between:
+        """Return motions (m, 5) on the way to motions (n, 5) that targets lead to, and which of them are those."""
+        motions, straight = self.motions_of(turns), (turns, np.arange(len(turns)))
+        divided = divided_way(np.asarray(targets, dtype=float)[: len(turns)], motions, self.largest)
+        if control == "state" or divided is None:
+            return straight
+        return joined(self.solve(control, divided[0])[0], turns, divided[1]) or straight
+
     def _refusals(self, pushes: Array, V: Array | None) -> list[str]:
         """Return sentences on loads (n, 5), H and M in the plane of H, and V (n,) [N] beyond limit loads."""
         force, moment = pushes[:, :2], pushes[:, 2:4]
@@ -268,12 +278,12 @@ class SpaceSprings:
         V (n,) [N] marks states at another vertical load than that of the springs; time (n,) [s] is handed on.
         """
         turns, pushes, message = self.solve(control, targets)
-        own = with_prefix(self.V, "N", 6)
+        own, way, ends = with_prefix(self.V, "N", 6), *self._between(control, targets, turns)
         n, used = len(turns), self.range_used(turns)
         values: dict[str, Any] = dict(zip(SPACE_TURNS, turns.T, strict=True)) | dict(
             zip(SPACE_LOADS, pushes.T, strict=True)
         )
-        values |= {"w": self.heave(turns), "converged": np.ones(n, dtype=np.int8), "range_used": used}
+        values |= {"w": self.heave(way)[ends], "converged": np.ones(n, dtype=np.int8), "range_used": used}
         values |= {"extrapolated": np.logical_or.accumulate(used > 1.0 + RANGE_SLACK).astype(np.int8)}
         apart = self.torsion_apart(pushes)
         values["torsion_apart"] = apart.astype(np.int8)
@@ -301,7 +311,7 @@ class SpaceSprings:
             "beyond_range": beyond, "refusals": self._refusals(targets[: n + 1] if control == "load" else pushes, V),
             "remarks": [HEAVE.format(own)],
         }  # fmt: skip
-        p = dict(zip(("p_x", "p_y"), self.reactions(turns), strict=True))
+        p = dict(zip(("p_x", "p_y"), self.reactions(way)[:, :, ends], strict=True))
         p["depth_bounds"] = self.origin["depth_bounds"]
         by_depth = {name: (known[name].dims, value, known[name].attributes()) for name, value in p.items()}
         depth = ("depth", self.origin.depth, known["depth"].attributes())

@@ -17,6 +17,7 @@ from pysprings.macro.answer import MacroWarning
 from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import SPACE_NOTE, to_text
 from pysprings.macro.fan import build_fan
+from pysprings.macro.predict import sequence
 from pysprings.macro.space import compare_in_space, sequence_in_space
 from pysprings.memory import build
 from pysprings.memory.build import build_memory
@@ -224,6 +225,22 @@ def test_loads_and_motions_answer_each_other_step_by_step() -> None:
         stepper.advance()
     with pytest.raises(BeyondSprings, match="do not carry the load"):
         stepper.advance(load=np.array([1e10, 0.0, 0.0, 0.0, 0.0]))
+
+
+def test_p_under_a_few_loads_is_that_of_the_way_between_them() -> None:
+    """Under loads in proportion a motion is not straight, and p of a step is that of many."""
+    full = SpaceSprings.of(calibrated()).solve("state", np.array([[0.5 * REACH, 0.0, 0.0, 0.1 * REACH / LENGTH, 0.0]]))
+    H, M = full[1][0, 0], full[1][0, 3]
+    loads = np.array([[H, M], [-0.9 * H, 0.3 * M], [0.8 * H, 0.9 * M]])
+    many = np.stack([np.interp(np.arange(1, 121) / 40, np.arange(4), [0.0, *each]) for each in loads.T], axis=1)
+    way = {n: np.insert(np.zeros((len(each), 3)), [0, 2], each, axis=1) for n, each in ((3, loads), (120, many))}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MacroWarning)
+        pairs = [[sequence(calibrated(), each, springs_kind="memory", extrapolate=True)["p"] for each in (loads, many)]]
+        pairs += [[sequence_in_space(calibrated(), way[n], extrapolate=True)["p_x"] for n in (3, 120)]]
+    for once, often in pairs:
+        error = np.abs(once.values - often.values[:, 39::40]).max() / np.abs(often.values).max()
+        assert error < 0.004, error
 
 
 def test_a_load_along_y_leans_towards_y_in_the_axes_of_the_field() -> None:
