@@ -249,7 +249,7 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
 
     from pysprings.core.loads import in_plane
     from pysprings.macro import predict, stiffness
-    from pysprings.macro.directions import off_plane, with_components
+    from pysprings.macro.directions import off_plane, twist_words, with_components
 
     x, y, about_x, about_y, T = (getattr(question, name) or 0.0 for name in ("Hx", "Hy", "Mx", "My", "T"))
     loads = in_plane(np.array([[x, y]]), np.array([[about_y, -about_x]]))
@@ -259,7 +259,7 @@ def _by_components(springs: AnySprings, question: Question, common: Mapping[str,
     if across:
         refuse("--Mx", f"{off_plane(across)} (`design` answers a bound)")
     if T and common["strict"]:
-        refuse("--T", "springs answer torsion by their stiffness at rest alone")
+        refuse("--T", twist_words(stiffness.torsion_of(springs)))
     H, M = float(loads.H[0]), float(loads.M[0])
     state = predict.way_to_load(springs, H=H, M=M, V=question.V, **common).isel(step=[-1])
     return with_components(state, loads, np.array([T]), stiffness.torsion_of(springs))

@@ -28,6 +28,11 @@ def off_plane(across: float) -> str:
     return f"a moment of {number(1e-3 * abs(across))} kN m across the plane of H: {_OFF_PLANE}"
 
 
+def twist_words(stiffness: float | None) -> str:
+    """Return what a twist by the torsional stiffness at rest [N m/rad] is; None: it is not known."""
+    return _UNKNOWN if stiffness is None else _LEAST
+
+
 def twist_of(T: Array, stiffness: float | None) -> Array:
     """Return the linear twist [rad] under T [N m], for the torsional stiffness [N m/rad]; NaN where that is not known.
 
@@ -59,5 +64,5 @@ def with_components(
         direction=(dim, loads.direction, {"units": "radian", "long_name": "plane of H and M, from x towards y"}),
         linear_twist=(dim, ((by_rest != 0.0) & (stiffness is not None)).astype(np.int8)),
     )
-    remark = [] if not by_rest.any() else [_UNKNOWN if stiffness is None else _LEAST]
+    remark = [twist_words(stiffness)] if by_rest.any() else []
     return turned.assign_attrs(remarks=[*answer.attrs.get("remarks", ()), *remark])

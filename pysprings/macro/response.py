@@ -169,7 +169,14 @@ class Response(Protocol):
         with np.errstate(all="ignore"):  # an iterate that runs away is given up, with or without Numba
             n, at0, at1 = follow(self.arrays, drive, state, aims, out[0], out[1])
         states, loads = out[0, 1:n], out[1, 1:n]
-        return states, loads, "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
+        message = "" if n == len(aims) else ending(control, (at0, at1), aims[n], states, loads)
+        return states, loads, message + LOOSE * bool(message and not states.any() and self._is_loose)
+
+    @property
+    def _is_loose(self) -> bool:
+        """Whether the springs leave the caisson at rest a motion that they do not resist."""
+        K = self.loads_at(0.0, 0.0)[1] / np.outer([1.0, self.origin.length], [1.0, self.origin.length])
+        return bool(np.linalg.matrix_rank(K, tol=1e-12 * np.abs(K).max(initial=1e-300)) < len(K))
 
     def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
         """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
@@ -263,6 +270,7 @@ def list_of(V: Array) -> str:
     return ", ".join(with_prefix(value, "N", 6) for value in values[:3]) + (" ..." if values.size > 3 else "")
 
 
+LOOSE = "; at rest a motion meets no resistance: springs of one depth leave a turn free, and flat curves hold nothing"
 # States farther than this from the calibration path, relative to their size, are marked off_path.
 OFF_PATH = 0.10
 FALL = 0.02  # share of its peak by which a curve falls before it counts as softening

@@ -251,3 +251,20 @@ def test_every_quantity_of_a_written_answer_has_its_unit(springs_file: Path, tmp
     lines = [line for line in out.read_text().splitlines() if not line.startswith("#")]
     read = dict(zip(lines[0].split(","), lines[-1].split(","), strict=True))
     assert (float(read["u_m"]), float(read["time_s"])) == (4e-4, 120.0)
+
+
+@pytest.mark.parametrize(
+    ("rows", "holds"),
+    [
+        ("2,0,0\n2,5,100\n", False),
+        ("1,0,0\n1,5,100\n3,0,0\n3,5,100\n", True),
+        ("1,0,0\n1,5,0\n1,9,1\n3,0,0\n3,5,0\n3,9,1\n", False),
+    ],
+)
+def test_a_table_that_holds_nothing_at_rest_is_named(tmp_path, rows, holds):
+    """One spring leaves a turn free, under a load at its own depth, too; torsion is not known of any table."""
+    (file := tmp_path / "own.csv").write_text("depth [m],y [mm],p [kN/m]\n" + rows)
+    asked = "predict", file, "--skirt-length", "4 m"
+    done = command(*asked, "--H", "10 kN", "--arm=-2 m")
+    assert (done.code == 0) is holds and ("at rest a motion meets no resistance" in done.err) is not holds
+    assert "--T: T is left out: torsion is not known" in command(*asked, "--Hx", "9 kN", "--T", "1 N m", "--strict").err

@@ -78,7 +78,7 @@ def test_the_command(tmp_path: Path):
     for asked, text in (
         ((*loads[:2], "--Mx=1 MN m"), "--Mx: a moment of"),
         ((loads[0], "--H", "1 MN"), "--H: give either this or --Hx"),
-        ((loads[0], "--T", "1 MN m", "--strict"), "--T: springs answer torsion"),
+        ((loads[0], "--T", "1 MN m", "--strict"), "--T: rot_z is T over the torsional stiffness at rest"),
     ):
         done = command("predict", file, *asked)
         assert done.code == 2 and text in done.err
