@@ -96,7 +96,7 @@ def build_table(path: SpringPath, companions: bool) -> SpringTable:
 
     Parameters
     ----------
-    path : The path; its converged steps are used.
+    path : The path; its converged steps are used, up to where it turns back.
     companions : With them p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
 
     Notes
@@ -145,6 +145,9 @@ class _Recorded:
 
     @classmethod
     def of(cls, path: SpringPath) -> _Recorded:
+        if path.turns_back:
+            path = _to_its_turn(path)
+
         def change(values: Array) -> Array:
             return values - values[..., :1]
 
@@ -175,6 +178,14 @@ class _Recorded:
             "rotation": ((0.0, turned), turned * self.rotation, reach / self.length),
             "u": ((moved, 0.0), moved * self.u, reach),
         }
+
+
+def _to_its_turn(path: SpringPath) -> SpringPath:
+    """Return a path up to where it first turns back: to the largest motion before |(u, rotation L)| falls."""
+    size = np.hypot(path.u - path.u[0], path.turn - path.turn[0])
+    falls = np.flatnonzero(np.diff(size) < 0.0)
+    n = int(np.argmax(size[: falls[0] + 1])) + 1 if falls.size else size.size
+    return SpringPath(path.name, path.dataset.isel(step=slice(n)), path.length)
 
 
 @dataclass(frozen=True, slots=True)

@@ -308,9 +308,9 @@ class RowSprings(Response):
 
     @cached_property
     def _counted(self) -> Marks:
-        """Rows whose range counts: not curves kept in part, but where the path turns back, which keeps all to there."""
+        """Rows whose range counts: not curves kept in part, but where all are, as of a swipe."""
         whole = ~self.table.cut
-        return whole if whole.any() and not self.origin.turns_back else np.ones_like(whole)
+        return whole if whole.any() else np.ones_like(whole)
 
     def paths_at(self, states: Array) -> list[list[str]]:
         """Return the names of the paths that the springs come from, by state."""
@@ -347,7 +347,8 @@ class RowSprings(Response):
     @cached_property
     def _track(self) -> Array:
         """States (u, rotation*L) [m] of the path, as far as springs keep it: up to where it turns."""
-        return np.stack([self.origin.u, self.origin.turn], axis=1)[: self.table.count[self._counted].max()]
+        kept = int(self.table.count[self._counted].max(initial=0)) or None  # without springs all of it
+        return np.stack([self.origin.u, self.origin.turn], axis=1)[:kept]
 
     def _lateral(self, states: Array) -> Array:
         """Return the net p (depth, step) [N/m] that the springs give; 0 where the set has no spring at that depth."""

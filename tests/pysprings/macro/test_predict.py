@@ -252,6 +252,24 @@ def test_springs_of_a_path_that_turns_back_end_where_it_turns(spring_set):
     assert answer["extrapolated"].values.tolist() == [0, 0, 1]
 
 
+def test_springs_of_a_pull_that_turns_back_are_those_without_its_turn():
+    """Where y goes the other way, reactions are read from u on both: the sums are the loads of the path up to there."""
+    tree = make_springs((Path("pull"), Path("back")))
+    there = tree["paths/pull"].to_dataset(inherit=False)
+    there = there.assign(rotation=there["u"] / (0.8 * LENGTH))
+    there = there.assign(y=(there["u"] - there["rotation"] * there["depth"]).transpose(*there["y"].dims))
+    back = there.isel(step=[*range(n := there.sizes["step"]), *range(n - 2, n // 2, -1)])
+    tree["paths/pull"].dataset = there
+    tree["paths/back"].dataset = back.assign_coords(step=np.arange(back.sizes["step"])).assign_attrs(then_parts=1)
+    pull, turned = (MacroModel.from_springs(tree, "full", name) for name in ("pull", "back"))
+    assert "u" in [carrier for name, carrier in zip(pull.table.name, pull.table.carrier, strict=True) if name == "p"]
+    states = np.stack([there["u"], there["rotation"]], axis=1)
+    one, other = (trace(model, "state", states) for model in (pull, turned))
+    for name in ("H", "M", "p", "range_used"):
+        np.testing.assert_array_equal(one[name], other[name])
+    np.testing.assert_allclose(one["range_used"][-1], 1.0)
+
+
 @pytest.mark.parametrize("spring_set", ["full", "py"])
 def test_where_springs_of_a_path_end_they_leave_it_and_keep_its_w(spring_set):
     """A caisson that slides, then turns at the same u: every curve ends at the corner, so does what goes with them."""
