@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 from pysprings.core.registry import Registry
 from pysprings.results.exporters.base import Exported, Exporter, Option, Source, Target, read_options
 from pysprings.results.exporters.formats import FORMATS
-from pysprings.springs.springs import Springs
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,6 +36,8 @@ def export(data: xr.DataTree | Source, name: str, target: PathLike | Target, **o
 
     Raises UserInputError: unknown exporter or options, or data that it cannot use.
     """
+    from pysprings.springs.springs import Springs
+
     exporter = EXPORTERS.find(name, "--to")
     place = target if isinstance(target, Target) else Target(Path(target))
     values = read_options(exporter, options)
