@@ -55,7 +55,7 @@ class Way:
     message: str = ""
     along: Along = field(default_factory=Along)
     time: Array | None = None
-    between: Between | None = None
+    between: Between = None
 
 
 def trace(

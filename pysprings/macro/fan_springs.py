@@ -19,7 +19,7 @@ import numpy as np
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.macro.fan import WIDEST, FanTable, secant_slopes
-from pysprings.macro.response import Between, Response, Support
+from pysprings.macro.response import Between, Level, Response, Support
 from pysprings.macro.solver import FAN, fan_rows
 from pysprings.macro.ways import RANGE_SLACK, ROUNDING, Control
 from pysprings.springs.path import SpringPath
@@ -45,23 +45,11 @@ class FanSprings(Response):
     spread: Spread | None = None
     law: ClassVar[int] = FAN
 
-    def reactions(
-        self,
-        states: Array,
-        time: Array | None = None,
-        V: float | Array | None = None,
-        between: Between | None = None,
-    ) -> Array:
+    def reactions(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Array:
         """Return all reactions (rows, n) at states (n, 2), or along them from rest at times (n,) [s] under V [N]."""
         return self.table.rows(states)[0]
 
-    def support(
-        self,
-        states: Array,
-        time: Array | None = None,
-        V: float | Array | None = None,
-        between: Between | None = None,
-    ) -> Support:
+    def support(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Support:
         """Return what goes with states (n, 2), and the angle to the rays: see `Response`."""
         table, rows = self.table, self.reactions(states, time, V, between)
         used, sector, nearest = table.support(states, table.rows(states)[1])

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from pysprings.macro.vertical import VerticalTable
 
 
-Between = tuple[Array, Integers]  # states (m, 2) on a way, and the places (n,) of those that are asked for
+Level = float | Array | None  # vertical load [N], one or of each state; None: that of the springs
+Between = tuple[Array, Integers] | None  # states (m, 2) on a way, and the places (n,) of those that are asked for
 ELASTIC = "the springs are nonlinear elastic: a path that turns back goes back on the same curve, without hysteresis"
 
 
@@ -98,13 +99,7 @@ class Response(Protocol):
 
     # --- each kind of springs has its own ---
 
-    def support(
-        self,
-        states: Array,
-        time: Array | None = None,
-        V: float | Array | None = None,
-        between: Between | None = None,
-    ) -> Support:
+    def support(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Support:
         """Return what goes with states (n, 2) = (u, rotation) at times (n,) [s] under V [N], and where it holds.
 
         between : the way to the states, where springs remember it (`between`).
@@ -216,9 +211,7 @@ class Response(Protocol):
         aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
         return Along(aim, turns(control, targets[: len(states)], self.origin.length, V, rest), limit)
 
-    def between(
-        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None
-    ) -> Between | None:
+    def between(self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None) -> Between:
         """Return states on the way to states (n, 2), which of them are those; None: straight, or of no consequence."""
         return None
 
@@ -285,13 +278,7 @@ class RowSprings(Response):
     sources: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
-    def support(
-        self,
-        states: Array,
-        time: Array | None = None,
-        V: float | Array | None = None,
-        between: Between | None = None,
-    ) -> Support:
+    def support(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Support:
         """Return what goes with states (n, 2), and how far they are from the path: see `Response`."""
         used, p, usable = self.range_used(states), self._lateral(states), self._usable()
         if "u" not in self.origin:

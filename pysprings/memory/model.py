@@ -13,7 +13,7 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan_springs import FanSprings
-from pysprings.macro.response import Between, ElementRows
+from pysprings.macro.response import Between, ElementRows, Level
 from pysprings.macro.solver import Drive
 from pysprings.macro.vertical import VerticalTable
 from pysprings.macro.ways import Along, Control, ending, equations
@@ -204,9 +204,7 @@ class MemorySprings(FanSprings):
         end = self._target(control, at)
         return found, carried, "" if n == len(way) else ending(control, end, targets[n - 1], found, carried)
 
-    def between(
-        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None
-    ) -> Between | None:
+    def between(self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None) -> Between:
         """Return states on the way to states (n, 2) that targets (n, 2) lead to: see `Response`.
 
         None where motions are imposed, which go straight, where steps are short, or where the springs follow V.
@@ -254,13 +252,7 @@ class MemorySprings(FanSprings):
         scaled: Array = out * self.to_motion * self.to_motion[:, None]
         return scaled
 
-    def reactions(
-        self,
-        states: Array,
-        time: Array | None = None,
-        V: float | Array | None = None,
-        between: Between | None = None,
-    ) -> Array:
+    def reactions(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Array:
         """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on.
 
         The way from state to state is straight, or that of `between`. time (n,) [s] of the states, from 0 s at rest;
@@ -303,7 +295,7 @@ class MemorySprings(FanSprings):
         return found[:, ends.astype(int) - 1]
 
 
-def divided_way(targets: Array, motions: Array, largest: float) -> Between | None:
+def divided_way(targets: Array, motions: Array, largest: float) -> Between:
     """Return targets on the way to targets (n, m), and which of them are those; None where the way needs no more.
 
     Under loads in proportion a motion is not straight: its parts, to motions (n, m) [m], are of `PART` largest steps.
@@ -319,7 +311,7 @@ def divided_way(targets: Array, motions: Array, largest: float) -> Between | Non
     return np.stack([np.interp(at, np.arange(len(whole)), column) for column in whole.T], axis=1), ends
 
 
-def joined(way: Array, states: Array, ends: Integers) -> Between | None:
+def joined(way: Array, states: Array, ends: Integers) -> Between:
     """Return a way through states (n, m), at its `ends`; None where it did not come to the last one."""
     if len(way) <= ends[-1]:
         return None

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.arguments import check_arrays
-from pysprings.core.arrays import Array, Marks
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import in_plane, same_loads
 from pysprings.core.text import with_prefix
@@ -25,7 +25,6 @@ from pysprings.macro.capacity import past_limits
 from pysprings.macro.fan import WIDEST
 from pysprings.macro.fan_springs import sector_notes
 from pysprings.macro.model import elastic_loads
-from pysprings.macro.response import Between
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.vertical import VerticalTable, build_vertical, covered
@@ -248,7 +247,7 @@ class SpaceSprings:
         reach = np.where(on_ray, own, np.minimum(low[:, 1], high[:, 1]))
         return np.where(on_ray, 0.0, high[:, 0] - low[:, 0]), reach
 
-    def _between(self, control: SpaceControl, targets: Array, turns: Array) -> Between:
+    def _between(self, control: SpaceControl, targets: Array, turns: Array) -> tuple[Array, Integers]:
         """Return motions (m, 5) on the way to motions (n, 5) that targets lead to, and which of them are those."""
         motions, straight = self.motions_of(turns), (turns, np.arange(len(turns)))
         divided = divided_way(np.asarray(targets, dtype=float)[: len(turns)], motions, self.largest)

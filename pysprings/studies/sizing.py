@@ -129,7 +129,6 @@ class Search:
 
     def covered(self, ratio: float) -> tuple[float, float]:
         """Return the range of diameters [m] of an L/D that the atlas covers at every V; the same twice where none."""
-
         sizes = [float(D) for D in np.geomspace(*self.wanted.D, _SIZES)]
         known = [k for k, D in enumerate(sizes) if not self._beyond(ratio, D)]
         if not known:
