@@ -17,8 +17,9 @@ from pysprings.core.text import number
 from pysprings.core.words import ESTIMATES
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import FIGURES
-from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, farthest, in_words, moved
+from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, farthest, growing, in_words, moved
 from pysprings.springs.path import paths_of
+from pysprings.springs.tip_zone import on_slices, tip_zone
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,21 +90,23 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
 
 
 def _py(common: Paths) -> Iterator[dict[str, Any]]:
-    """Yield p of each run at equal y, by path and depth, up to the y that all reach."""
+    """Yield p of each run at equal y, by path and slice of `tip_zone`, up to the y that all reach on one side."""
     for name, paths in common.items():
-        first = next(iter(paths.values()))
-        for k, depth in enumerate(first["depth"].values):
-            curves = {}
-            for each, path in paths.items():
-                at = int(np.argmin(np.abs(path["depth"].values - depth)))
-                y, p = (path[key].transpose("depth", "step").values[at] for key in ("y", "p"))
-                way = moved(y)
-                grows = np.concatenate([[True], np.diff(way) > 0.0])
-                curves[each] = way[grows], np.sign(y[-1]) * p[grows]
-            end = min(float(way[-1]) for way, _ in curves.values())
-            for y in np.linspace(0.0, end, POINTS) if end > LEAST else ():
-                values = {f"p_{each}_N_per_m": float(np.interp(y, *pair)) for each, pair in curves.items()}
-                yield {"path": name, "depth_m": float(first["depth"].values[k]), "y_m": float(y), **values}
+        edges = tip_zone(next(iter(paths.values())))
+        sliced = {each: on_slices(path, edges) for each, path in paths.items()}
+        for k, depth in enumerate(next(iter(sliced.values()))["depth"].values):
+            curves = {
+                each: [path[key].transpose("depth", "step").values[k] for key in ("y", "p")]
+                for each, path in sliced.items()
+            }
+            ends = {side: min(float(moved(y, side)[-1]) for y, _ in curves.values()) for side in (1.0, -1.0)}
+            side = max(ends, key=lambda side: ends[side])
+            for y in np.linspace(0.0, ends[side], POINTS) if ends[side] > LEAST else ():
+                values = {
+                    f"p_{each}_N_per_m": float(np.interp(y, *growing(moved(own, side), p)))
+                    for each, (own, p) in curves.items()
+                }
+                yield {"path": name, "depth_m": float(depth), "y_m": side * float(y) + 0.0, **values}
 
 
 def _common(runs: Mapping[str, Run]) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:

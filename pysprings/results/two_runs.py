@@ -125,7 +125,7 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
         yield _row(part, f"{quantity} {at} [{unit}]", *values)
     ways = [_way_come(each, a.length) for each in (a, b)]
     grid = np.linspace(0.0, min(way[-1] for way in ways), POINTS)
-    loads = [np.interp(grid, *_growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True)]
+    loads = [np.interp(grid, *growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True)]
     if size := float(np.abs(loads[0]).max()):
         largest = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
         yield Row(part, f"largest difference of {load}, in % of the largest", "", number(largest, 3))
@@ -134,9 +134,9 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
 LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
 
 
-def moved(values: Array) -> Array:
-    """Return the largest distance from the first value so far."""
-    return np.maximum.accumulate(np.abs(values - values[0]))
+def moved(values: Array, side: float = 0.0) -> Array:
+    """Return the largest distance from the first value so far to one side: -1 or 1, 0: where it is farthest."""
+    return np.maximum.accumulate((side or np.sign(farthest(values))) * (values - values[0]))
 
 
 def farthest(values: Array) -> float:
@@ -152,10 +152,10 @@ def in_words(motion: float, driver: str) -> str:
 
 def curve(path: xr.Dataset, driver: str, quantity: str) -> tuple[Array, Array]:
     """Return the motion from the initial state on, as it grows, and a quantity."""
-    return _growing(moved(path[driver].values), path[quantity].values)
+    return growing(moved(path[driver].values), path[quantity].values)
 
 
-def _growing(x: Array, values: Array) -> tuple[Array, Array]:
+def growing(x: Array, values: Array) -> tuple[Array, Array]:
     """Return a motion where it grows, and a quantity there."""
     grows = np.concatenate([[True], np.diff(x) > 0.0])
     return x[grows], values[grows]

@@ -20,7 +20,8 @@ def text(ranged: bool = True) -> str:
     """An elastic soil, whose loads are in proportion to its modulus; the penalty goes with it."""
     soil = {"yield_surface": "elastic", "young_modulus": 100e6}
     pull = {**tiny.PULL, "lateral_displacement": 1e-5}
-    plain = tiny.scene(soil=soil, interface={"friction_coefficient": 5.0}, paths=(pull,)).to_toml()
+    turn = {"name": "turn", "kind": "rotation", "rotation": 1e-6, "role": "held-back"}  # the skirt moves backwards
+    plain = tiny.scene(soil=soil, interface={"friction_coefficient": 5.0}, paths=(pull, turn)).to_toml()
     modulus = '{ low = "80 MPa", best = "100 MPa", high = "150 MPa" }' if ranged else '"100 MPa"'
     head, tail = plain.split("[soil]", 1)
     return head + "[soil]" + tail.replace('young_modulus = "100 MPa"', f"young_modulus = {modulus}", 1)
@@ -59,11 +60,26 @@ def test_loads_side_by_side_are_in_proportion_to_the_stiffness(ran: tuple[Path, 
     assert (table["low"] / table["best"]).to_numpy() == pytest.approx(np.full(len(table), 0.8), rel=0.01)
     assert (table["high"] / table["best"]).to_numpy() == pytest.approx(np.full(len(table), 1.5), rel=0.01)
     curves = pd.read_csv(ran[0] / "py_side_by_side.csv")
-    moved = curves[curves["y_m"] > 1e-6]
+    moved = curves[curves["y_m"].abs() > 1e-6]
     ratio = moved["p_high_N_per_m"] / moved["p_best_N_per_m"]
     assert len(moved) > 10 and ratio.to_numpy() == pytest.approx(np.full(len(moved), 1.5), rel=0.01)
     book = openpyxl.load_workbook(ran[0] / "springs.xlsx")
     assert [cell.value for cell in book["loads"][1]] == ["part", "quantity", *NAMES]
+
+
+def test_curves_side_by_side_are_those_of_each_estimate_with_their_sign(ran: tuple[Path, Result]) -> None:
+    """On the slices of all tables; y and p below the point of rotation are negative, as in py.csv."""
+    curves = pd.read_csv(ran[0] / "py_side_by_side.csv")
+    for name in NAMES:
+        whole = pd.read_csv(ran[0] / name / "py.csv")
+        own = whole[(whole["family"] == "py") & (whole["side"] == "net") & (whole["component"] == "total")]
+        assert sorted(curves["depth_m"].unique()) == pytest.approx(sorted(own["depth_m"].unique()))
+        for (path, depth), curve in curves.groupby(["path", "depth_m"]):
+            given = own[(own["path"] == path) & np.isclose(own["depth_m"], depth)].sort_values("y_m")
+            p = np.interp(curve["y_m"], given["y_m"], given["p_N_per_m"])
+            np.testing.assert_allclose(curve[f"p_{name}_N_per_m"], p, rtol=1e-5, atol=1e-6 * np.abs(p).max())
+    assert curves["y_m"].min() < -1e-6 and curves["y_m"].max() > 1e-6
+    assert set(curves["path"]) == {"pull", "turn"}
 
 
 def test_tables_of_the_runs_are_joined_with_their_estimate(ran: tuple[Path, Result]) -> None:

@@ -12,7 +12,7 @@ import xarray as xr
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import open_result
-from pysprings.results.two_runs import Run, differences
+from pysprings.results.two_runs import Run, curve, differences, moved
 from tests.support import tiny
 from tests.support.commands import command
 
@@ -75,6 +75,15 @@ def test_a_difference_on_the_way_back_counts(folders: tuple[Path, Path]) -> None
     found = differences(*(Run(name, tree, RunRecord()) for name, tree in (("a", first), ("b", changed))))
     row = next(each for each in found if each.part == "path back" and each.quantity.startswith("largest difference"))
     assert float(row.second) == pytest.approx(25.0, abs=0.5)
+
+
+def test_the_motion_of_a_path_that_goes_to_both_sides_is_that_to_the_farther_one() -> None:
+    """Forth to 2, back to -5: what stands at -1 was reached on the way back."""
+    motion, load = np.array([0.0, 1.0, 2.0, 0.0, -1.0, -5.0]), np.array([0.0, 10.0, 15.0, -8.0, -12.0, -20.0])
+    np.testing.assert_array_equal(moved(motion), [0.0, 0.0, 0.0, 0.0, 1.0, 5.0])
+    np.testing.assert_array_equal(moved(motion, 1.0), [0.0, 1.0, 2.0, 2.0, 2.0, 2.0])
+    path = xr.Dataset({"u": ("step", motion), "H": ("step", load)})
+    assert np.interp(1.0, *curve(path, "u", "H")) == -12.0
 
 
 def test_a_run_beside_itself_and_what_is_no_run(folders: tuple[Path, Path], tmp_path: Path) -> None:
