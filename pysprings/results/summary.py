@@ -21,6 +21,7 @@ from pysprings.scene.design_load import USUAL_TILT
 from pysprings.scene.model import Scene, caisson_text, ground_text
 from pysprings.springs.card import stiffness_words
 from pysprings.springs.path import paths_of
+from pysprings.springs.path_ends import STOPPED, before_cavitation, end_of
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
@@ -72,7 +73,8 @@ def _stiffness(run: Run) -> str:
 def _loads(run: Run) -> str:
     """Give the limit loads, else the largest H and M that the paths reached; `_vertical` has V."""
     found = run.record.limit_loads.items()
-    limits = [f"limit load of {name}: {limit}" for name, limit in found if not limit.is_vertical]
+    before = {name for name, path in _lateral(run) if end_of(name, path).how == STOPPED}
+    limits = [f"limit load of {name}: {at}" for name, at in found if not at.is_vertical and name not in before]
     if limits:
         return "; ".join(limits)
     parts = []
@@ -269,9 +271,12 @@ def _mesh_limits(estimate: Mapping[str, Any]) -> list[str]:
 
 
 def _lateral(run: Run) -> list[tuple[str, xr.Dataset]]:
-    """Return the converged states of the paths that move the caisson sideways, by name, extrapolated where they are."""
+    """Return the converged states before cavitation of the paths that move the caisson sideways, by name.
+
+    They are extrapolated where they are in the result.
+    """
     paths = [path for path in paths_of(run.result).values() if path.rules.drives != "w"]
-    return [(path.name, path.dataset) for path in paths if path.dataset.sizes["step"] > 1]
+    return [(path.name, before_cavitation(path.dataset)) for path in paths if path.dataset.sizes["step"] > 1]
 
 
 def _is_fan(run: Run) -> bool:

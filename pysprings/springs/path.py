@@ -68,6 +68,11 @@ class RecordedPath:
         """The converged steps, with the name as attribute ``path``."""
         return self._converged()
 
+    @property
+    def known(self) -> xr.Dataset:
+        """All steps; of a path that springs are made from, those before cavitation."""
+        return before_cavitation(self.recorded) if self.calibrates else self.recorded
+
     def _converged(self) -> xr.Dataset:
         if "converged" not in self.recorded.variables:
             return self.recorded
@@ -99,8 +104,8 @@ class RecordedPath:
 
     @property
     def calibrates(self) -> bool:
-        """True where springs are made from the path."""
-        return self.role == "calibration"
+        """True where springs are made from the path, as from that of a table, which has no role."""
+        return self.attrs.get("role", "calibration") == "calibration"
 
     @property
     def turns_back(self) -> bool:
@@ -259,9 +264,7 @@ class SpringPath(RecordedPath):
     def dataset(self) -> xr.Dataset:
         """The converged steps, with the name as attribute ``path``; where springs are made, those before cavitation."""
         found = self._converged()
-        if MARGIN not in found.variables:
-            return found
-        return before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN)
+        return before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN, errors="ignore")
 
     def at_steps(self, steps: Sequence[int]) -> Self:
         """Return the path with some of its converged steps alone, by number."""

@@ -88,6 +88,8 @@ def before_cavitation(path: xr.Dataset) -> xr.Dataset:
 
     The margin itself is left out. A path without a margin, or whose water never would, has all of its steps.
     """
+    if MARGIN not in path.variables:
+        return path
     beyond = np.flatnonzero(path.variables[MARGIN].values < 0.0)
     known = path.drop_vars(MARGIN)
     if not beyond.size:

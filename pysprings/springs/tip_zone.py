@@ -37,7 +37,7 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
 
     p is constant in each slice of the mesh; a new one has the mean of what it covers, and m takes the moment of p about
     its middle. A slice that stays keeps its ring. So sum p dz, sum t dz and sum (m - p z) dz are kept: H, V and M of
-    every state. Tip and lid stay as they are. The elements of a memory set and the paths out of one plane, from which a
+    every state. Tip and lid stay as they are; a path that would cavitate ends there. The elements of a memory set and the paths out of one plane, from which a
     part of them is made, are left out: they belong to the old slices.
 
     Parameters
@@ -58,7 +58,7 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
         del tree[name]
     for name, path in paths_of(tree).items():
         edges = None if bounds is None else _checked(bounds, path.recorded)
-        tree.children["paths"].children[name].dataset = on_slices(path.recorded, edges)
+        tree.children["paths"].children[name].dataset = on_slices(path.known, edges)
     return tree
 
 

@@ -96,21 +96,21 @@ def _of_atlas(springs: Springs) -> Iterator[str]:
 
 
 def _ranges(springs: Springs) -> Iterator[str]:
-    """Yield the largest motions and loads of the lateral paths together, of each vertical one, and what failed."""
+    """Yield the largest motions and loads of the paths that springs are made from, and what failed."""
     paths = list(springs.paths.values())
-    lateral = [path for path in paths if not path.is_vertical]
+    lateral = [path for path in paths if path.calibrates and not path.is_vertical]
     if lateral:
         most = {key: max(float(np.abs(path[key]).max()) for path in lateral) for key in ("u", "rotation", "H")}
         yield (
-            f"range of {len(lateral)} lateral paths: |u| to {1e3 * most['u']:.4g} mm, |rotation| to "
+            f"range of the springs, {len(lateral)} lateral paths: |u| to {1e3 * most['u']:.4g} mm, |rotation| to "
             f"{1e3 * most['rotation']:.4g} mrad, |H| to {1e-3 * most['H']:.5g} kN; beyond it every use is an "
             "extrapolation"
         )
-    down = [path for path in paths if path.is_vertical]
+    down = [path for path in paths if path.calibrates and path.is_vertical]
     if down:
         w, V = (np.concatenate([path[key] for path in down]) for key in ("w", "V"))
         yield (
-            f"range of {len(down)} vertical paths: w from {1e3 * w.min():.4g} to {1e3 * w.max():.4g} mm, "
+            f"range of the springs, {len(down)} vertical paths: w from {1e3 * w.min():.4g} to {1e3 * w.max():.4g} mm, "
             f"V from {1e-3 * V.min():.5g} to {1e-3 * V.max():.5g} kN"
         )
     yield from (f"path {path.name} {path.end.words}" for path in paths if path.end.failed)

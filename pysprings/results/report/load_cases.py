@@ -9,10 +9,11 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.columns import Column, Table, filled
-from pysprings.core.path_kinds import beam_order
+from pysprings.core.path_kinds import HELD_BACK, beam_order
 from pysprings.core.text import number
 from pysprings.results.layout import LOAD_CASES
-from pysprings.springs.path import RecordedPath, paths_of
+from pysprings.springs.path import RecordedPath
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import by_depth, net_m
 from pysprings.springs.tip_zone import on_slices
 
@@ -34,7 +35,8 @@ def spring_tables(springs: xr.DataTree | None, comparison: pd.DataFrame | None =
     if springs is None:
         return []
     at_rest = float(springs.attrs.get("vertical_load_N", 0.0))
-    lateral = [path for path in paths_of(springs).values() if path.calibrates and not path.is_vertical]
+    paths = Springs.of(springs).paths.values()
+    lateral = [path for path in paths if path.calibrates and not path.is_vertical]
 
     def use(path: RecordedPath) -> tuple[float, ...]:
         return *beam_order(path.attrs), round(abs(path.load - at_rest), -3)
@@ -63,23 +65,29 @@ def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Tabl
         force, moment = (float(path[f"{letter}_{part}"].values[-1]) * 1e-3 for letter in ("H", "M"))
         rows.append((part, "", "", "", "", f"H {number(force)} kN", "", f"M {number(moment)} kN m"))
     title = f"Path {name}: {path.attrs['kind']}, {path.attrs['role']}"
-    return Table(title, _COLUMNS, rows, _NOTE + _missed(path, comparison), wide=True)
+    return Table(title, _COLUMNS, rows, _NOTE + _missed(name, path, comparison), wide=True)
 
 
-def _missed(path: xr.Dataset, comparison: pd.DataFrame | None) -> str:
-    """Return sentences on the share of H that p carries, and on the largest error of p-y curves alone."""
+def _missed(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> str:
+    """Return sentences on the share of H that p carries, and on the largest error of the p-y curves of a path alone.
+
+    It is that on paths held back where these have one, else on all.
+    """
     carried = float(by_depth(path, "p")[:, -1] @ np.diff(path["depth_bounds"].values, axis=1)[:, 0])
     load = float(path["H"].values[-1])
     text = f"p carries {100.0 * carried / load:.0f} % of H of this path, tip and lid the rest. " if load else ""
     if comparison is None or "H_error_max_pct" not in comparison:
         return text
-    alone = comparison[(comparison["springs"] == "py") & comparison["H_error_max_pct"].notna()]
+    own = comparison["springs_from"] == name
+    alone = comparison[own & (comparison["springs"] == "py") & comparison["H_error_max_pct"].notna()]
     if alone.empty:
         return text
+    held = alone[alone["role"] == HELD_BACK]
+    alone = held if len(held) else alone
     worst = alone.iloc[int(alone["H_error_max_pct"].abs().to_numpy().argmax())]
     return (
-        f"{text}The curves hold for this path: p-y curves alone, those of path {worst['springs_from']}, are off the "
-        f"load of path {worst['path']} by {worst['H_error_max_pct']:+.0f} %."
+        f"{text}The curves hold for this path: its p-y curves alone are off the load of path {worst['path']} by "
+        f"{worst['H_error_max_pct']:+.0f} %."
     )
 
 

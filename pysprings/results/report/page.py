@@ -222,7 +222,7 @@ def render(
         failures=run.failures if run else [],
         limits=[f"{name}: {at}" for name, at in run.limit_loads.items()] if run else [],
         warnings=run.warnings if run else [],
-        validity=validity.validity(result, springs),
+        validity=validity.validity(result),
         tables={section: tables_of(section, data) for section in SECTIONS},
         pictures_of=pictures_by_part(figures, kinds, live is not None),
         cases_drawn=[] if cases is None or springs is None else picture_of_cases(cases, springs),

@@ -10,15 +10,16 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.columns import Column, Table, filled
-from pysprings.core.path_kinds import PATH_KINDS, driven
+from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, with_prefix
 from pysprings.core.words import TILTS
 from pysprings.full_model.accuracy.measures import MEASURES
+from pysprings.full_model.accuracy.two_mesh import LEFT
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS, SPACE_NOTE
 from pysprings.results.parts import openings
-from pysprings.springs.path import paths_of
-from pysprings.springs.path_ends import end_of
+from pysprings.springs.path import RecordedPath, paths_of
+from pysprings.springs.path_ends import before_cavitation, end_of
 from pysprings.springs.sums import balance
 
 
@@ -119,13 +120,12 @@ def phase_table(run: RunRecord) -> Table:
     return Table.of(filled(_PHASES, rows), rows, "Cost by phase")
 
 
-def validity(result: xr.DataTree, springs: xr.DataTree | None) -> list[str]:
+def validity(result: xr.DataTree) -> list[str]:
     """Return sentences on the range of the numbers: calibrated paths, displacements, effects that are not included."""
     sentences = []
     behaviour = result.attrs.get("caisson_behaviour", "rigid")
-    length = float((springs.attrs if springs is not None else {}).get("skirt_length_m", np.nan))
-    for name, path in paths_of(result).items():
-        sentences.append(_range_sentence(name, path.recorded, length) + _end_sentence(name, path.recorded))
+    for path in paths_of(result).values():
+        sentences.append(_range_sentence(path) + _end_sentence(path.name, path.known))
     return [
         *sentences,
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
@@ -144,20 +144,22 @@ def _end_sentence(name: str, path: xr.Dataset) -> str:
     return f" It {end.words}." if end.failed else ""
 
 
-def _range_sentence(name: str, path: xr.Dataset, length: float) -> str:
-    good = path["converged"].values.astype(bool)
-    u, rotation = path["u"].values[good] + 0.0, path["rotation"].values[good] + 0.0  # no -0
-    text = f"Path {name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
+def _range_sentence(path: RecordedPath) -> str:
+    own, length = path.known, float(path.recorded["depth_bounds"].values[-1, 1])
+    good = own["converged"].values.astype(bool)
+    text = f"Path {path.name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
     if not good.any():
         return text + "no converged step."
-    if driven(path.attrs) == "w":
-        w, V = path["w"].values[good] * 1e3, path["V"].values[good]
+    if path.is_vertical:
+        w, V = own["w"].values[good] * 1e3, own["V"].values[good]
         ends = " to ".join(with_prefix(float(each), "N") for each in V[[0, -1]])
         return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {ends}."
+    moved = np.stack([own["u"].values, length * own["rotation"].values])[:, good]
+    u, turn = np.where(np.abs(moved) > 1e-9 * np.abs(moved).max(), moved, 0.0)  # what is imposed as 0 is met to rounding
     text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
-    text += f"rotation from {rotation.min() * 1e3:.3g} to {rotation.max() * 1e3:.3g} mrad"
-    if np.isfinite(length) and abs(u[-1]) > 0:
-        text += f", rotation·L/u = {rotation[-1] * length / u[-1]:.2f} at its end"
+    text += f"rotation from {turn.min() / length * 1e3:.3g} to {turn.max() / length * 1e3:.3g} mrad"
+    if u[-1]:
+        text += f", rotation·L/u = {turn[-1] / u[-1]:.2f} at its end"
     return text + "."
 
 
@@ -219,12 +221,13 @@ def estimate_table(run: RunRecord | None) -> Table | None:
     factor = f"safety factor {estimate['safety']:g} times difference / (r^order - 1)"
     if (how := estimate.get("extrapolated") or {}).get("paths"):
         left = ", ".join(f"{share:g} ({MEASURES[name].head})" for name, share in how["left"].items())
-        note += f"extrapolated by difference / (r^order - 1), which leaves these shares of it: {left}; else {factor}."
+        note += f"extrapolated by difference / (r^order - 1), which leaves these shares of the difference: {left}; else {factor}."
     else:
         note += f"{factor}."
     if series := estimate.get("harmonics"):
         shares = ", ".join(f"{words[name]} {number(value, 2)} %" for name, value in estimate["harmonics_pct"].items())
-        note += f" The difference of {series[0]} and {series[1]} harmonics there is added: {shares}."
+        part = f", of paths that have it in their reactions {LEFT:g} of it" if how.get("harmonics_added") else ""
+        note += f" The difference of {series[0]} and {series[1]} harmonics there is added{part}: {shares}."
     return Table("Discretisation error", ("", "difference [%]", "order", "estimate [%]"), rows, note)
 
 
@@ -334,7 +337,7 @@ def _clean(path: Any, key: str, step: int, factor: float) -> str:
 def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     """List H and M at limits of tilt on each path with a free head; None without such a path."""
     rows = []
-    for name, path in paths.items():
+    for name, path in ((name, before_cavitation(path)) for name, path in paths.items()):
         kind = PATH_KINDS.get(str(path.attrs.get("kind")))
         if kind is None or not kind.free_head or "arm_from_m" in path.attrs:
             continue
@@ -346,7 +349,7 @@ def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     units = {"H": "kN", "M": "kN m"}
     loads = [f"{load} at {limit:g} deg [{unit}]" for limit in TILTS for load, unit in units.items()]
     heads = ("path", "height of the load [m]", "largest tilt [deg]", *loads)
-    note = "Full model, between its steps linear. '-': the path does not reach this tilt, or does not tilt steadily."
+    note = "Full model before cavitation, between its steps linear. '-': not reached, or the path does not tilt steadily."
     return Table("Loads at limits of tilt", heads, rows, note, wide=True) if rows else None
 
 

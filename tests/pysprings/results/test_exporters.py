@@ -12,7 +12,8 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare
 from pysprings.results import exporters
-from pysprings.results.exporters.header import range_of_path
+from pysprings.results.exporters.base import Source
+from pysprings.results.exporters.header import header, range_of_path
 from pysprings.results.exporters.xlsx import plain_names
 from pysprings.results.report.load_cases import spring_tables
 from pysprings.springs.springs import Springs
@@ -67,6 +68,28 @@ def test_wide_table_has_pairs_of_columns_by_depth(folder, springs):
     pairs = [name.split(" z=")[0] for name in wide.columns[5 : 5 + 4 * slices]]
     assert pairs == ["y_m", "p_N_per_m"] * slices + ["m_Nm_per_m", "t_N_per_m"] * slices
     assert exporters.text(springs, "wide") == (folder / "py_wide.csv").read_text()
+
+
+def test_tables_of_springs_end_where_the_water_would_cavitate(springs, tmp_path):
+    """A table answers no more than its springs: `predict` on it is extrapolated where that on the springs is."""
+    tree, k = springs.copy(deep=True), 7
+    for name in ("pull", "high"):
+        path = tree[f"paths/{name}"].to_dataset(inherit=False)
+        margin = np.where(np.arange(path.sizes["step"]) < k, 1e5, -1e3)
+        tree[f"paths/{name}"] = path.assign(cavitation_margin=("step", margin, {"units": "Pa"}))
+    given = Springs.of(tree)
+    assert given.paths["pull"].n == k < STEPS
+    names = {"csv": "py.csv", "wide": "py_wide.csv", "xlsx": "springs.xlsx"}
+    for each, name in names.items():
+        exporters.export(tree, each, tmp_path / name)
+    for name in ("py.csv", "py_wide.csv"):
+        ends = pd.read_csv(tmp_path / name).groupby("path")["step"].max()
+        assert ends.to_dict() == {"pull": k - 1, "high": STEPS - 1}  # what is held back is no spring
+    book = openpyxl.load_workbook(tmp_path / "springs.xlsx")
+    for sheet in ("p-y", "base", "load-displacement"):
+        assert [row[0] for row in book[sheet].values].count("pull") == k
+    (line,) = (line for line in header(Source(tree), "", "", "") if line.startswith("range of the springs"))
+    assert f"1 lateral paths: |u| to {1e3 * np.abs(given.paths['pull'].u).max():.4g} mm" in line
 
 
 def test_py_has_the_contracts_columns_and_no_comment(folder):

@@ -275,14 +275,33 @@ def test_loads_at_a_tilt_are_interpolated_and_a_tilt_not_reached_is_a_dash(resul
 
 
 def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.DataTree) -> None:
-    sentences = " ".join(validity.validity(result, springs))
+    sentences = " ".join(validity.validity(result))
     path = result["paths/pull"]
     assert "Path pull (pull, calibration): u from 0 to 20 mm" in sentences
     tree = result.copy(deep=True)
     tree["paths/pull"]["converged"][:] = 0
-    assert "Path pull (pull, calibration): no converged step." in validity.validity(tree, springs)
+    assert "Path pull (pull, calibration): no converged step." in validity.validity(tree)
     ratio = float(path["rotation"][-1] * 4.0 / path["u"][-1])
     assert f"rotation·L/u = {ratio:.2f} at its end" in sentences
+    tree["paths/turn"]["u"][:] = 1e-17  # imposed as 0, met to rounding
+    (turn,) = (each for each in validity.validity(tree) if each.startswith("Path turn "))
+    assert turn == "Path turn (rotation, calibration): u from 0 to 0 mm, rotation from 0 to 4 mrad."
+
+
+def test_a_report_ends_where_the_water_would_cavitate(result: xr.DataTree, springs: xr.DataTree) -> None:
+    """Range, table of the springs and loads at a tilt are those of the steps before."""
+    trees, k = [tree.copy(deep=True) for tree in (result, springs)], 7
+    for tree in trees:
+        path = tree["paths/pull"].to_dataset(inherit=False)
+        margin = np.where(np.arange(path.sizes["step"]) < k, 1e5, -1e3)
+        tree["paths/pull"] = path.assign(cavitation_margin=("step", margin, {"units": "Pa"}))
+    last = trees[0]["paths/pull"].to_dataset().isel(step=k - 1)
+    pull = validity.validity(trees[0])[0]
+    assert f"u from 0 to {1e3 * float(last['u']):.3g} mm" in pull and "the water would cavitate beyond" in pull
+    (table,) = spring_tables(trees[1])
+    assert table.title.startswith("Path pull") and table.rows[-2][5] == f"H {number(float(last['H_tip']) * 1e-3)} kN"
+    tilts = validity.tilt_table(ReportData(trees[0]).paths)
+    assert tilts is not None and tilts.rows[0][2] == f"{np.degrees(float(last['rotation'])):.3g}"
 
 
 def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
@@ -297,6 +316,9 @@ def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
     series = found | {"harmonics": [3, 5], "harmonics_pct": {"load_max": 0.25}}
     table = validity.estimate_table(RunRecord(error_estimate=series))
     assert table is not None and "3 and 5 harmonics there is added: load, largest difference" in table.note
+    corrected = series | {"extrapolated": {"paths": ["a"], "left": {"load_max": 0.35}, "harmonics_added": ["a"]}}
+    note = validity.estimate_table(RunRecord(error_estimate=corrected)).note
+    assert "leaves these shares of the difference: 0.35 (load max)" in note and "in their reactions 0.5 of it:" in note
     assert "0.25 %" in table.note
     none = validity.estimate_table(RunRecord(error_estimate={"estimate_pct": {}, "why_not": "no path in common"}))
     assert none is not None and none.rows == [("no estimate: no path in common",)]
@@ -379,7 +401,8 @@ def test_the_table_of_springs_shows_the_path_that_a_beam_takes() -> None:
     (table,) = spring_tables(xr.DataTree.from_dict(groups), compare(tree))
     path = tree["paths"].children[table.title.removeprefix("Path ").split(":")[0]]
     assert path.attrs["role"] == "calibration" and abs(float(path["rotation"][-1])) < 1e-9 < abs(float(path["u"][-1]))
-    assert "p-y curves alone, those of path" in table.note
+    rows = compare(tree).set_index(["path", "springs"])["H_error_max_pct"]
+    assert f"its p-y curves alone are off the load of path {path.name} by {rows[path.name, 'py']:+.0f} %" in table.note
     groups = {name: each.assign_attrs(role="held-back") for name, each in groups.items()}
     assert spring_tables(xr.DataTree.from_dict(groups)) == []
 

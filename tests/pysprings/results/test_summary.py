@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The ten lines of a run: the tilt at the design load of the scene."""
 
+import dataclasses
 import math
 import re
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 
 import pysprings
 from pysprings.core.storage import read_tree
-from pysprings.full_model.run_record import RunRecord
+from pysprings.full_model.run_record import LimitLoad, RunRecord
 from pysprings.results.folder import run_to_folder
 from pysprings.results.summary import _vertical, summary
 from tests.support import tiny
@@ -47,6 +48,18 @@ def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
     line = tilt(folder, lateral_force=1e8)
     assert line.startswith("not known at the design load, H 100 MN at 0 m: beyond the springs, which carry H ")
     assert " deg" not in line
+
+
+def test_what_is_carried_beyond_cavitation_is_no_load_of_the_summary(folder: Path) -> None:
+    record, result = RunRecord.read(folder), read_tree(folder / "full_model.nc")
+    assert record is not None
+    path = result["paths/pull"].to_dataset(inherit=False)
+    margin = np.where(np.arange(path.sizes["step"]) < 3, 1e5, -1e3)
+    result["paths/pull"] = path.assign(cavitation_margin=("step", margin, {"units": "Pa"}))
+    record.paths["pull"] = dataclasses.replace(record.paths["pull"], limit_load=LimitLoad(1e6, 1e6, 0.0, 0.1, 0.0, 0.0, "x"))
+    lines, last = summary(result, record), path.isel(step=2)
+    assert lines["loads"].startswith(f"largest reached, no limit load: H {1e-6 * float(last['H']):.4g} MN")
+    assert lines["range"].startswith(f"u up to {1e3 * float(last['u']):.3g} mm")
 
 
 def test_a_moment_that_is_rounding_is_no_load(folder: Path) -> None:
