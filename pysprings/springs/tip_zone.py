@@ -37,8 +37,8 @@ def reslice(springs: xr.DataTree, bounds: ArrayLike | None = None) -> xr.DataTre
 
     p is constant in each slice of the mesh; a new one has the mean of what it covers, and m takes the moment of p about
     its middle. A slice that stays keeps its ring. So sum p dz, sum t dz and sum (m - p z) dz are kept: H, V and M of
-    every state. Tip and lid stay as they are; a path that would cavitate ends there. The elements of a memory set and the paths out of one plane, from which a
-    part of them is made, are left out: they belong to the old slices.
+    every state. Tip and lid stay as they are; a path that would cavitate ends there. The elements of a memory set and
+    the paths out of one plane, from which a part of them is made, are left out: they belong to the old slices.
 
     Parameters
     ----------

@@ -155,7 +155,9 @@ def _range_sentence(path: RecordedPath) -> str:
         ends = " to ".join(with_prefix(float(each), "N") for each in V[[0, -1]])
         return f"{text}w from {w[0]:.3g} to {w[-1]:.3g} mm, V from {ends}."
     moved = np.stack([own["u"].values, length * own["rotation"].values])[:, good]
-    u, turn = np.where(np.abs(moved) > 1e-9 * np.abs(moved).max(), moved, 0.0)  # what is imposed as 0 is met to rounding
+    u, turn = np.where(
+        np.abs(moved) > 1e-9 * np.abs(moved).max(), moved, 0.0
+    )  # what is imposed as 0 is met to rounding
     text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
     text += f"rotation from {turn.min() / length * 1e3:.3g} to {turn.max() / length * 1e3:.3g} mrad"
     if u[-1]:
@@ -221,7 +223,8 @@ def estimate_table(run: RunRecord | None) -> Table | None:
     factor = f"safety factor {estimate['safety']:g} times difference / (r^order - 1)"
     if (how := estimate.get("extrapolated") or {}).get("paths"):
         left = ", ".join(f"{share:g} ({MEASURES[name].head})" for name, share in how["left"].items())
-        note += f"extrapolated by difference / (r^order - 1), which leaves these shares of the difference: {left}; else {factor}."
+        note += "extrapolated by difference / (r^order - 1), which leaves these shares of the difference: "
+        note += f"{left}; else {factor}."
     else:
         note += f"{factor}."
     if series := estimate.get("harmonics"):
@@ -349,7 +352,9 @@ def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     units = {"H": "kN", "M": "kN m"}
     loads = [f"{load} at {limit:g} deg [{unit}]" for limit in TILTS for load, unit in units.items()]
     heads = ("path", "height of the load [m]", "largest tilt [deg]", *loads)
-    note = "Full model before cavitation, between its steps linear. '-': not reached, or the path does not tilt steadily."
+    note = (
+        "Full model before cavitation, between its steps linear. '-': not reached, or the path does not tilt steadily."
+    )
     return Table("Loads at limits of tilt", heads, rows, note, wide=True) if rows else None
 
 

@@ -88,7 +88,7 @@ def test_tables_of_springs_end_where_the_water_would_cavitate(springs, tmp_path)
     book = openpyxl.load_workbook(tmp_path / "springs.xlsx")
     for sheet in ("p-y", "base", "load-displacement"):
         assert [row[0] for row in book[sheet].values].count("pull") == k
-    (line,) = (line for line in header(Source(tree), "", "", "") if line.startswith("range of the springs"))
+    (line,) = (each for each in header(Source(tree), "", "", "") if each.startswith("range of the springs"))
     assert f"1 lateral paths: |u| to {1e3 * np.abs(given.paths['pull'].u).max():.4g} mm" in line
 
 

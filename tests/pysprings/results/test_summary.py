@@ -56,7 +56,9 @@ def test_what_is_carried_beyond_cavitation_is_no_load_of_the_summary(folder: Pat
     path = result["paths/pull"].to_dataset(inherit=False)
     margin = np.where(np.arange(path.sizes["step"]) < 3, 1e5, -1e3)
     result["paths/pull"] = path.assign(cavitation_margin=("step", margin, {"units": "Pa"}))
-    record.paths["pull"] = dataclasses.replace(record.paths["pull"], limit_load=LimitLoad(1e6, 1e6, 0.0, 0.1, 0.0, 0.0, "x"))
+    record.paths["pull"] = dataclasses.replace(
+        record.paths["pull"], limit_load=LimitLoad(1e6, 1e6, 0.0, 0.1, 0.0, 0.0, "x")
+    )
     lines, last = summary(result, record), path.isel(step=2)
     assert lines["loads"].startswith(f"largest reached, no limit load: H {1e-6 * float(last['H']):.4g} MN")
     assert lines["range"].startswith(f"u up to {1e3 * float(last['u']):.3g} mm")
