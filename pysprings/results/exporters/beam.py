@@ -92,10 +92,27 @@ def rows_of(springs: Springs, depths: Array | None) -> tuple[list[Row], dict[flo
     force = {name: _change(slid[name])[None] for name in ("H_tip", "H_lid")}
     moment = {name: _change(turned[name])[None] for name in ("M_tip", "M_lid")}
     share, p = shares(slid["depth_bounds"], edges), _change(slid.p)
-    p = with_moment(share @ p, (slid.depth * slid.heights) @ p, z, np.diff(edges))
+    moment_of_p = (slid.depth * slid.heights) @ p
+    _refuse_beside(moment_of_p, slid.heights @ p, z)
+    p = with_moment(share @ p, moment_of_p, z, np.diff(edges))
     forces, lost = _family(springs, slid.u, {"p": p} | force, z, bounds)
     moments, more = _family(springs, turned.rotation, {"m": share @ _change(turned.m)} | moment, z, bounds)
     return [*forces, *moments], dict(zip(z.tolist(), bounds.tolist(), strict=True)), [*lost, *more]
+
+
+def _refuse_beside(moment: Array, force: Array, z: Array) -> None:
+    """Refuse depths (k,) [m] on one side of where p acts, of this moment [N m] and force [N] (steps,).
+
+    No curves there that grow have both.
+    """
+    large = np.abs(force) > 0.01 * np.abs(force).max()
+    centre = moment[large] / force[large]
+    for each in centre[(centre < z[0]) | (centre > z[-1])][:1]:
+        raise refused(
+            "--depths",
+            f"p of the translation acts at {each:.3g} m, which is not between {z[0]:.3g} and "
+            f"{z[-1]:.3g} m: no curves there have its force and its moment",
+        )
 
 
 def _middles(x: Array) -> Array:
@@ -130,10 +147,18 @@ def _family(
     there = ", ".join(
         f"{name} at {depth:.3g} m" for (name, depth, _), each in zip(places, changed, strict=True) if each
     )
-    whole = weight @ given
-    lost = 100.0 * float((whole - weight @ r).max() / np.abs(whole).max())
-    what = "moments of the rotation" if turns else "forces of the translation"
-    return rows, [f"corrected on the safe side, sum of the {what} lower by {lost:.2g} % at most: {there}"]
+    lost = abs(_largest(weight @ (r - given), weight @ given))
+    lever = weight * [depth for _, depth, _ in places]
+    text = f"moments of the rotation lower by {lost:.2g} %" if turns else (
+        f"forces of the translation lower by {lost:.2g} %, their moment about the lid changed by "
+        f"{_largest(lever @ (r - given), lever @ given):+.2g} %"
+    )  # fmt: skip
+    return rows, [f"corrected on the safe side, sum of the {text} at most: {there}"]
+
+
+def _largest(change: Array, whole: Array) -> float:
+    """Return the largest change (steps,) with its sign, in % of the largest of what it changes."""
+    return 100.0 * float(change[np.abs(change).argmax()]) / float(np.abs(whole).max())
 
 
 def monotone(values: Array) -> Array:

@@ -122,6 +122,39 @@ def test_what_is_corrected_and_the_vertical_load_stand_in_the_head() -> None:
     assert p[1] == pytest.approx(3.0 * p[0], rel=0.02)
 
 
+def test_what_the_safe_side_changes_of_force_and_moment_stands_in_the_head() -> None:
+    """The lid pulls along: it is cut, p is less by as much, and the moment with it."""
+    tree = make_springs(PATHS)
+    path = tree["paths/across"].to_dataset(inherit=False)
+    path["H_lid"][:] = -0.02 * path["H"]
+    tree["paths/across"] = path
+    springs = Springs.of(tree)
+    rows, bounds, corrected = beam.rows_of(springs, None)
+    own = [row for row in rows if row.carrier == "y"]
+    weight = np.array([np.diff(bounds[row.depth])[0] if row.name == "p" else 1.0 for row in own])
+    r, slid = np.array([row.r for row in own]), springs.paths["across"]
+    tip = slid["H_tip"] - slid["H_tip"][0]
+    change = slid.p - slid.p[:, :1]
+    force = slid.heights @ change + tip + slid["H_lid"] - slid["H_lid"][0]
+    moment = (slid.depth * slid.heights) @ change + springs.length * tip
+    found = (weight * [row.depth for row in own]) @ r
+    (text,) = (each for each in corrected if "translation" in each)
+    lost, moved = (float(each) for each in re.findall(r"by ([-+.\de]+) %", text))
+    assert lost == pytest.approx(100.0 * np.max(force - weight @ r) / np.abs(force).max(), rel=0.1, abs=1e-9)
+    assert moved == pytest.approx(100.0 * np.min(found - moment) / np.abs(moment).max(), rel=0.05) and moved < -1.0
+
+
+@pytest.mark.parametrize("depths", ["0.1, 0.2 m", "3.8, 3.9, 4 m"])
+def test_depths_on_one_side_of_where_p_acts_are_refused(depths: str) -> None:
+    """No curves there that grow have its force and its moment."""
+    slid = Springs.of(make_springs(PATHS)).paths["across"]
+    with pytest.raises(UserInputError, match="p of the translation acts at .* which is not between") as error:
+        text(depths=depths)
+    at = float(re.findall(r"acts at ([\d.]+) m", str(error.value))[0])
+    centre = ((slid.depth * slid.heights) @ slid.p)[1:] / (slid.heights @ slid.p)[1:]
+    assert centre.min() - 0.01 < at < centre.max() + 0.01
+
+
 def test_the_table_answers_as_springs_of_a_user(tmp_path: File) -> None:
     """`predict` on the table: its equilibrium is that of a rigid beam on the straight lines."""
     file = tmp_path / "beam.csv"
