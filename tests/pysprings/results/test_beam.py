@@ -148,7 +148,7 @@ def test_what_the_safe_side_changes_of_force_and_moment_stands_in_the_head() -> 
 def test_depths_on_one_side_of_where_p_acts_are_refused(depths: str) -> None:
     """No curves there that grow have its force and its moment."""
     slid = Springs.of(make_springs(PATHS)).paths["across"]
-    with pytest.raises(UserInputError, match="p of the translation acts at .* which is not between") as error:
+    with pytest.raises(UserInputError, match=r"p of the translation acts at .* which is not between") as error:
         text(depths=depths)
     at = float(re.findall(r"acts at ([\d.]+) m", str(error.value))[0])
     centre = ((slid.depth * slid.heights) @ slid.p)[1:] / (slid.heights @ slid.p)[1:]
