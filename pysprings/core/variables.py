@@ -338,7 +338,7 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "springs do not follow V",
       required=False),
     V("time", "time", "s", ("step",), required=False),
-    V("off_rate", "1 where the step is faster or slower than the rate of the elements", "1", ("step",),
+    V("off_rate", "1 where the step is faster or slower than the rate of the springs", "1", ("step",),
       "more than sqrt(10) times", required=False),
     *(V(f"{name}_deviation", f"standard deviation of {name}", _BODY[name].units, ("step",), _DEVIATION, required=False)
       for name in ("u", "rotation", "H", "M")),
@@ -352,6 +352,7 @@ _SPACE_PREDICTION = {
     name: replace(_SPACE_PATH[name], required=name not in ("V", "time")) for name in _OF_BODY
 } | _table(
     *(_PREDICTION[name] for name in ("depth", "depth_bounds", "range_used", "extrapolated", "off_load", "off_path")),
+    _PREDICTION["off_rate"],
     *(V(f"p_{axis}", f"lateral soil reaction along {axis} per metre of depth", "N m-1", ("depth", "step"), _OPPOSES)
       for axis in "xy"),
     V("torsion_apart", "1 where torsion and a lateral load act together", "1", ("step",),

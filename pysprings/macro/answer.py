@@ -17,6 +17,7 @@ from pysprings.macro.model import MacroModel
 from pysprings.macro.response import Between, Support
 from pysprings.macro.vertical_answer import Down, vertical_answer
 from pysprings.macro.ways import RANGE_SLACK, Along, Control, Limit, Turns
+from pysprings.springs.path import off_rate
 from pysprings.springs.path_ends import MESH_ERROR
 
 _KEPT = (
@@ -83,16 +84,20 @@ def trace(
 
 
 def _timed(model: MacroModel, answer: xr.Dataset, states: Array, time: Array) -> xr.Dataset:
-    """Return an answer with the times (n,) [s] of its states, and marks of steps at another rate."""
+    """Return an answer with the times (n,) [s] of its states, and marks of steps at another rate, from rest at 0 s."""
+    values, warnings = rate_marks(model.rate, np.diff(states * [1.0, model.length], axis=0, prepend=0.0), time)
     known = variables.GROUPS["prediction"]
-    found, off = answer.assign(time=("step", time, known["time"].attributes())), model.response.off_rates(states, time)
-    if off is None:
-        return found
-    found = found.assign(off_rate=("step", off.astype(np.int8), known["off_rate"].attributes()))
-    if not off.any():
-        return found
-    text = f"{off.sum()} of {off.size} steps are at another rate than that of the elements"
-    return found.assign_attrs(warnings=[*answer.attrs["warnings"], text])
+    described = {name: ("step", each, known[name].attributes()) for name, each in values.items()}
+    return answer.assign(described).assign_attrs(warnings=[*answer.attrs["warnings"], *warnings])
+
+
+def rate_marks(rate: float | None, steps: Array, time: Array) -> tuple[dict[str, Array], list[str]]:
+    """Return the time (n,) [s], and marks of steps (n, m) [m] off the rate of springs that have one; and a sentence."""
+    if rate is None:
+        return {"time": time}, []
+    off = off_rate(rate, np.linalg.norm(steps, axis=1), np.diff(time, prepend=0.0))
+    text = f"{off.sum()} of {off.size} steps are at another rate than that of the springs"
+    return {"time": time, "off_rate": off.astype(np.int8)}, [text] if off.any() else []
 
 
 def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:

@@ -54,6 +54,7 @@ class MacroModel:
     ends : How the paths of the springs ended, by name.
     elastic_loads : Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.capacity`.
     behind : The paths that the lateral springs come from.
+    rate : That of the lateral springs [m/s, of rho]; None where they do not depend on one.
     """
 
     response: Response
@@ -66,6 +67,7 @@ class MacroModel:
     ends: Mapping[str, PathEnd] = field(default_factory=dict)
     elastic_loads: tuple[float, float] = (-np.inf, np.inf)
     behind: tuple[SpringPath, ...] = ()
+    rate: float | None = None
 
     @classmethod
     def from_springs(
@@ -89,10 +91,11 @@ class MacroModel:
             settled = vertical.displacement(load)[0] - w
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}
-        remarks = tuple(_remarks(chosen, spring_set, response, ends))
+        rate = _rate_of(chosen, response)
+        remarks = tuple(_remarks(chosen, spring_set, response, ends, rate))
         return cls(
             response, spring_set.name, chosen.stiffness, attrs, remarks, vertical, settled, ends,
-            elastic_loads(given), tuple(chosen.paths[name] for name in response.sources),
+            elastic_loads(given), tuple(chosen.paths[name] for name in response.sources), rate,
         )  # fmt: skip
 
     @classmethod
@@ -197,14 +200,16 @@ class MacroModel:
         return self.response.solve_cases(control, targets, arm)
 
 
-def _remarks(springs: Springs, chosen: SpringSet, response: Response, ends: Mapping[str, PathEnd]) -> Iterator[str]:
+def _remarks(
+    springs: Springs, chosen: SpringSet, response: Response, ends: Mapping[str, PathEnd], rate: float | None
+) -> Iterator[str]:
     """Yield the sentences that go with every answer."""
     if chosen.remark:
         yield chosen.remark
     if springs.stiffness is None:
         yield NO_VERTICAL
     yield from response.remarks
-    if rate := _rate_of(springs, response):
+    if rate:
         yield AT_RATE.format(1e3 * rate)
     if (loads := springs.blended_loads) and not close_loads(np.array(loads), response.origin.load).any():
         span = " and ".join(number(1e-6 * V) for V in loads)

@@ -199,11 +199,11 @@ def sequence(
 
     control is "load" (H [N], M [N m]), "state" (u [m], rotation [rad] imposed), "displacement" or "rotation" (first
     column, load at height arm [m]). V [N]: one number, or one a row (of springs at several vertical loads those at its
-    first value are used, but for springs with memory that follow V). time (n,) [s] grows from 0: springs with memory
-    that come from one rate mark steps at another one `off_rate`, and the water's part of p drains in it; it changes
-    nothing else. Springs of the set "memory" remember reversals. All others are nonlinear elastic: where the sequence
-    turns back, so does the answer, on the same curve. From there on states are marked `turned_back`; from where the
-    targets leave the direction of the first one (H to M, or u to rotation) they are marked `off_path`.
+    first value are used, but for springs with memory that follow V). time (n,) [s] grows from 0: springs that come from
+    one rate mark steps at another one `off_rate`, and of those with memory the water's part of p drains in it; it
+    changes nothing else. Springs of the set "memory" remember reversals. All others are nonlinear elastic: where the
+    sequence turns back, so does the answer, on the same curve. From there on states are marked `turned_back`; from
+    where the targets leave the direction of the first one (H to M, or u to rotation) they are marked `off_path`.
     Raises as `predict` does.
     """
     check_numbers(arm=arm)

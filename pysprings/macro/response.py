@@ -219,13 +219,6 @@ class Response(Protocol):
         """Raise UserInputError where independent cases, or the secant of a state, have no answer of these springs."""
         return None
 
-    def off_rates(self, states: Array, time: Array) -> Marks | None:
-        """Return where steps to states (n, 2) at times (n,) [s] are off the rate of the springs; None: they have none.
-
-        The way begins at rest at 0 s.
-        """
-        return None
-
     # --- a backbone under a vertical load ---
 
     def follows(self, V: float | Array | None) -> bool:

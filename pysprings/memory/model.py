@@ -23,7 +23,6 @@ from pysprings.memory.mixture import ChangingLoad
 from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
 from pysprings.memory.shares import elastic_motions, loads_of
 from pysprings.memory.space import SHARE_NOTHING
-from pysprings.springs.path import TOGETHER
 
 _NOT_ASKED = {
     "cases": "springs with memory answer sequences, not independent cases: ask for 'fan'",
@@ -230,14 +229,6 @@ class MemorySprings(FanSprings):
         factor = {"load": self.to_motion, "state": 1.0 / self.to_motion}.get(control, np.ones(2))
         return float(c[0] * factor[0]), float(c[1] * factor[1])
 
-    def off_rates(self, states: Array, time: Array) -> Marks | None:
-        """Return where steps to states (n, 2) at times (n,) [s], from rest at 0 s, are off the rate; None without."""
-        if self.rate is None:
-            return None
-        ways = np.hypot(*np.diff(states * self.to_motion, axis=0, prepend=0.0).T)
-        steps = zip(ways, np.diff(time, prepend=0.0), strict=True)
-        return np.array([bool(off_rate(self.rate, float(way), float(step))) for way, step in steps])
-
     def tangents(self, states: Array, V: float | Array | None = None) -> Array:
         """Return the tangents (n, 2, 2) to (u, rotation) along states (n, 2) = (u, rotation), from rest on.
 
@@ -322,16 +313,6 @@ def joined(way: Array, states: Array, ends: Integers) -> Between:
 def _each(V: float | Array | None, states: Array) -> Array:
     """Return the vertical load (n,) [N] of each state."""
     return np.broadcast_to(np.asarray(V, dtype=float), len(states)).copy()
-
-
-def off_rate(own: float | None, moved: float, duration: float | None) -> bool | None:
-    """Return whether a motion [m] in a time [s] has another rate than the elements; None where that is not known.
-
-    A rest has no rate: it is not marked.
-    """
-    if own is None or duration is None:
-        return None
-    return moved > 0.0 and not 1.0 / TOGETHER < moved / duration / own < TOGETHER
 
 
 def error_between_planes(elements: ElementSet) -> tuple[float, float]:

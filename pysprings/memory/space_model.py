@@ -7,7 +7,7 @@ ones: where both loads act the answer is marked.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,10 +21,11 @@ from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import in_plane, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.units import quoted
+from pysprings.macro.answer import rate_marks
 from pysprings.macro.capacity import past_limits
 from pysprings.macro.fan import WIDEST
 from pysprings.macro.fan_springs import sector_notes
-from pysprings.macro.model import elastic_loads
+from pysprings.macro.model import AT_RATE, elastic_loads
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.vertical import VerticalTable, build_vertical, covered
@@ -65,6 +66,7 @@ class SpaceSprings:
     load_scale : sizes of H [N] and M [N m], for tolerances.
     attrs : attributes of the springs.
     rays : angles in (u, rotation L) [rad], in order, and ranges [m] of the rays (n, 2).
+    rate : that of the paths [m/s, of rho]; None where the springs do not depend on one.
     """
 
     elements: SpaceElements
@@ -80,6 +82,7 @@ class SpaceSprings:
     ends: Mapping[str, PathEnd]
     elastic_loads: tuple[float, float]
     rays: Array
+    rate: float | None = None
 
     @classmethod
     def of(cls, springs: Springs | xr.DataTree) -> "SpaceSprings":
@@ -92,7 +95,8 @@ class SpaceSprings:
             raise refused("springs", MISSING)
         planar = build_memory(given)
         size = planar.table.load_scale
-        return cls.from_elements(planar.elements, given, planar.V, (float(size[0]), float(size[1])))
+        found = cls.from_elements(planar.elements, given, planar.V, (float(size[0]), float(size[1])))
+        return replace(found, rate=planar.rate)
 
     @classmethod
     def from_elements(
@@ -274,7 +278,7 @@ class SpaceSprings:
     ) -> xr.Dataset:
         """Return the states along a sequence in six degrees of freedom as a dataset by step, marked.
 
-        V (n,) [N] marks states at another vertical load than that of the springs; time (n,) [s] is handed on.
+        V (n,) [N] marks states at another vertical load than that of the springs, time (n,) [s] steps at another rate.
         """
         turns, pushes, message = self.solve(control, targets)
         own, way, ends = with_prefix(self.V, "N", 6), *self._between(control, targets, turns)
@@ -294,21 +298,23 @@ class SpaceSprings:
         text = f"beyond the range of the paths behind the springs: {used.max(initial=0.0):.3g} times (limit 1)"
         beyond = [text] if values["extrapolated"].any() else []
         if V is not None:
-            off = ~covered(self.vertical, V[:n], np.full(n, self.V))
+            off = np.logical_or.accumulate(~covered(self.vertical, V[:n], np.full(n, self.V)))
             change, far, sentences, lost = self._settled(V[:n])
             beyond, message = beyond + sentences, " ".join(filter(None, (message, lost)))
             values |= {"V": V[:n], "w": values["w"] + change, "off_load": off.astype(np.int8)}
             values["extrapolated"] |= far
-            warnings += [f"{off.sum()} of {n} states are under another V than {own}"] if off.any() else []
+            text = f"{off.sum()} of {n} states are under another V than {own}, or come after one"
+            warnings += [text] if off.any() else []
         if time is not None:
-            values["time"] = time[:n]
+            timed, off_rates = rate_marks(self.rate, np.diff(self.motions_of(turns), axis=0, prepend=0.0), time[:n])
+            values, warnings = values | timed, warnings + off_rates
         known = variables.GROUPS["space_prediction"]
         data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
         attrs = {
             "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
             "beyond_range": beyond, "refusals": self._refusals(targets[: n + 1] if control == "load" else pushes, V),
-            "remarks": [HEAVE.format(own)],
+            "remarks": [HEAVE.format(own), *([AT_RATE.format(1e3 * self.rate)] if self.rate else [])],
         }  # fmt: skip
         p = dict(zip(("p_x", "p_y"), self.reactions(way)[:, :, ends], strict=True))
         p["depth_bounds"] = self.origin["depth_bounds"]

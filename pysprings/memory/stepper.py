@@ -14,9 +14,10 @@ from pysprings.macro.vertical import covered
 from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance, relax
 from pysprings.memory.mixture import ChangingLoad, Step
-from pysprings.memory.model import MemorySprings, off_rate
+from pysprings.memory.model import MemorySprings
 from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
+from pysprings.springs.path import off_rate
 
 _NO_ANSWER = "the elements carry no more than {} on the way to this step"
 
@@ -143,7 +144,9 @@ class MemoryStepper:
             extrapolated=used > 1.0 + RANGE_SLACK,
             off_path=aside,
             off_load=self._off_load(V),
-            off_rate=off_rate(model.rate, moved, duration),
+            off_rate=None
+            if model.rate is None or duration is None
+            else bool(off_rate(model.rate, np.array(moved), np.array(duration))),
             way_used=(self.way + moved) / model.elements.way,
         )
 

@@ -16,7 +16,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from pysprings.core.arrays import Array
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import (
     LOADS,
@@ -43,6 +43,13 @@ CLOSE = 1.05  # a rate within this factor of a set's is that of the set
 def is_rate(a: float, b: float) -> bool:
     """Return whether two rates [m/s] are one."""
     return max(a / b, b / a) <= CLOSE
+
+
+def off_rate(own: float, ways: Array, times: Array) -> Marks:
+    """Return which motions (n,) [m] in times (n,) [s] > 0 are off a rate [m/s] by half a decade; a rest has none."""
+    over = ways / times / own
+    found: Marks = (ways > 0.0) & ~((over > 1.0 / TOGETHER) & (over < TOGETHER))
+    return found
 
 
 # Motions and loads of a path out of one plane that springs answer; V is given, and w follows

@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -336,13 +337,25 @@ def test_a_step_has_the_reactions_of_its_state() -> None:
     assert np.ptp(found[table.even]) > 0.0 and np.ptp(found[odd]) > 0.0
 
 
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
+@pytest.mark.parametrize("kind", ["fan", "full"])
+def test_steps_of_springs_without_memory_at_another_rate_are_marked(kind: str) -> None:
+    """Of springs at 0.01 mm/s: 0.1 mm in 10 s and in 1 s; those that do not depend on a rate have no mark."""
+    springs, motions = winkler.at_two_rates((1e-5, 1e-3)), np.array([[1e-4, 0.0], [2e-4, 0.0]])
+    asked: dict[str, Any] = {"control": "state", "time": np.array([10.0, 11.0]), "springs_kind": kind}
+    assert sequence(springs.at(rate=1e-5), motions, **asked)["off_rate"].values.tolist() == [0, 1]
+    assert "off_rate" not in sequence(Springs.of(winkler.with_invented_memory()), motions, **asked)
+
+
 def test_steps_of_a_sequence_at_another_rate_are_marked() -> None:
     """A rest has no rate; times alone change no number."""
     springs = replace(model(), rate=1e-3)
-    whole = replace(MacroModel.from_springs(Springs.of(winkler.with_invented_memory()), "memory"), response=springs)
+    whole = replace(
+        MacroModel.from_springs(Springs.of(winkler.with_invented_memory()), "memory"), response=springs, rate=1e-3
+    )
     motions, time = np.array([[1e-3, 0.0], [2e-3, 0.0], [2e-3, 0.0]]), np.array([1.0, 101.0, 102.0])
     plain = sequence(whole, motions, control="state", extrapolate=True)
-    with pytest.warns(MacroWarning, match=r"1 of 3 steps are at another rate than that of the elements"):
+    with pytest.warns(MacroWarning, match=r"1 of 3 steps are at another rate than that of the springs"):
         answer = sequence(whole, motions, control="state", time=time, extrapolate=True)
     np.testing.assert_array_equal(answer["off_rate"], [0, 1, 0])
     np.testing.assert_array_equal(answer["time"], time)

@@ -286,6 +286,17 @@ def test_what_the_springs_do_not_cover_is_marked_or_refused() -> None:
     assert compare_in_space(calibrated(twisted=False))["T_error_max_pct"].isna().all()
 
 
+def test_steps_at_another_rate_are_marked_and_what_comes_after_another_vertical_load() -> None:
+    """A rest has no rate; rates are those of the motion of the ray, here 1 mm/s over (u_x, u_y)."""
+    springs = replace(SpaceSprings.of(calibrated()), rate=1e-3)
+    way = np.array([[3e-4, 4e-4, 0, 0, 0], [6e-4, 8e-4, 0, 0, 0], [6e-4, 8e-4, 0, 0, 0], [3e-4, 4e-4, 0, 0, 0]])
+    answer = springs.answer("state", way, np.array([2e6, 3e6, 2e6, 2e6]), np.array([0.5, 100.0, 200.0, 200.01]))
+    assert answer["off_rate"].values.tolist() == [0, 1, 0, 1] and answer["off_load"].values.tolist() == [0, 1, 1, 1]
+    assert "2 of 4 steps are at another rate than that of the springs" in answer.attrs["warnings"]
+    assert any("the springs are those of 1 mm/s" in each for each in answer.attrs["remarks"])
+    assert "off_rate" not in replace(springs, rate=None).answer("state", way, None, np.arange(1.0, 5.0))
+
+
 def test_beyond_a_limit_load_of_the_full_model_there_is_no_answer_in_any_direction() -> None:
     """It holds at its V and for H and M in its ratio, in the plane of H; the springs go on beyond."""
     tree = calibrated().copy(deep=True)
