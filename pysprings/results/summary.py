@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.core.errors import PyspringsError
+from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import percent
 from pysprings.full_model.run_record import RunRecord
@@ -153,8 +153,8 @@ def _tilt(run: Run) -> str:
     if run.springs is None:
         return f"not known {where}: no springs were made"
     answer = _answer(run.springs, design.lateral_force, arm)
-    if answer is None:
-        return f"not known {where}: the springs do not carry it"
+    if isinstance(answer, str):
+        return f"not known {where}: {answer}"
     carried = f"{1e-6 * answer.attrs['capacity_H_N']:.4g} MN at this height ({answer.attrs['capacity_kind']})"
     if answer.attrs["beyond_range"] or answer.attrs["refusals"]:
         return f"not known {where}: beyond the springs, which carry H {carried}"
@@ -165,16 +165,18 @@ def _tilt(run: Run) -> str:
     return f"{turn:.3g} deg {where}: {kept} the tolerated {tolerated:.3g} deg; {used:.3g} % of H {carried}{marks}"
 
 
-def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | None:
-    """Return the answer of the springs to a load, extrapolated where they do not reach; None without equilibrium."""
+def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | str:
+    """Return the answer of the springs to a load, extrapolated where they do not reach; else why there is none."""
     from pysprings.macro.predict import MacroWarning, predict
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", MacroWarning)  # the attributes of the answer have them
             return predict(springs, H=force, arm=arm, extrapolate=True)
-    except PyspringsError:
-        return None
+    except PyspringsError as error:
+        if isinstance(error, UserInputError) and not isinstance(error, BeyondSprings):  # as of several rates
+            return "; ".join(each.message for each in error.problems)
+        return "the springs do not carry it"
 
 
 def _tilt_on_path(run: Run, tolerated: float) -> str:

@@ -13,9 +13,10 @@ import pytest
 import pysprings
 from pysprings.core.storage import read_tree
 from pysprings.full_model.run_record import LimitLoad, RunRecord
+from pysprings.results.exporters.header import range_of_path
 from pysprings.results.folder import run_to_folder
 from pysprings.results.summary import _vertical, summary
-from tests.support import tiny
+from tests.support import tiny, winkler
 from tests.support.fans import fan_springs, potential
 from tests.support.vertical import fan_with_vertical
 
@@ -48,6 +49,17 @@ def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
     line = tilt(folder, lateral_force=1e8)
     assert line.startswith("not known at the design load, H 100 MN at 0 m: beyond the springs, which carry H ")
     assert " deg" not in line
+
+
+def test_springs_at_several_rates_have_no_tilt_for_that_reason_and_each_path_names_its_own(folder: Path) -> None:
+    """The load is small: that the springs do not carry it would be false."""
+    record, springs = RunRecord.read(folder), winkler.at_two_rates((1e-5, 1e-3))
+    assert record is not None
+    record.scene_toml = tiny.scene(design={"lateral_force": 1e5}).to_toml()
+    line = summary(read_tree(folder / "full_model.nc"), record, None, springs.tree)["tilt"]
+    assert line.startswith("not known at the design load, H 0.1 MN at 0 m: the calibration paths have several rates")
+    for name, rate in (("ray_1_0", "0.01"), ("ray_1_1", "1")):
+        assert f"kN, {rate} mm/s of rho; out of balance" in range_of_path(springs.drainage, springs.paths[name])
 
 
 def test_what_is_carried_beyond_cavitation_is_no_load_of_the_summary(folder: Path) -> None:
