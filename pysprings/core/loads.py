@@ -85,8 +85,17 @@ def _apart(values: Array | float, other: Array | float) -> Array:
 
 
 def nearest(values: Array, loads: Array) -> NDArray[np.intp]:
-    """Return which of loads (m,) [N] is nearest to each vertical load (n,) [N], by the measure of `close_loads`."""
-    return _apart(values[:, None], loads).argmin(axis=1)
+    """Return which of loads (m,) [N] is nearest to each vertical load (n,) [N].
+
+    Beyond all of them it is the one at that end; between two, that which is nearer by the measure of `close_loads`.
+    """
+    order = np.argsort(loads)
+    own = np.clip(values, loads[order[0]], loads[order[-1]])
+    above = np.searchsorted(loads[order], own).clip(0, order.size - 1)
+    sides = order[np.stack([np.maximum(above - 1, 0), above])]
+    low, high = (_apart(own, loads[side]) for side in sides)
+    found: NDArray[np.intp] = sides[(high < low).astype(int), np.arange(own.size)]
+    return found
 
 
 def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:

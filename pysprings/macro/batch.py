@@ -224,14 +224,18 @@ class _Part:
 
 
 def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
-    """Return answers of several models, by case, as one dataset in an order; attributes are those that all have."""
+    """Return answers of several models, by case, as one dataset in an order; attributes are those that all have.
+
+    A remark that not all have says so.
+    """
     first = parts[0]
     data = {
         name: (dims, np.concatenate([part.values[name][1] for part in parts])[order], attrs)
         for name, (dims, _, attrs) in first.values.items()
     }
     attrs = {k: v for k, v in first.attrs.items() if k not in _OF_A_WAY and all(p.attrs.get(k) == v for p in parts)}
-    remarks = {text for part in parts for text in part.attrs["remarks"]}
+    said = [set(part.attrs["remarks"]) for part in parts]
+    remarks = {text if all(text in own for own in said) else f"at some V: {text}" for text in set().union(*said)}
     return xr.Dataset(data, first.coords, attrs | {"remarks": sorted(remarks)})
 
 

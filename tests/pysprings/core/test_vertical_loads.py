@@ -49,3 +49,12 @@ def test_every_value_is_close_to_a_load_and_no_fewer_loads_do(values: list[float
 def test_the_nearest_load_is_close_to_every_value(values: list[float], rest: float) -> None:
     loads = np.array([rest, *fewest_loads(values, rest)])
     assert close_loads(np.array(values), loads[nearest(np.array(values), loads)]).all()
+
+
+def test_beyond_all_loads_the_nearest_one_is_that_at_the_end() -> None:
+    """A pull of 3 beside springs at 4.5 and 9.4: by the measure of `close_loads` alone the farther one is nearer."""
+    loads = np.array([9.4e6, 4.5e6, -2e6])
+    values = np.array([-30e6, -3e6, -1.9e6, 4.4e6, 6e6, 7e6, 9e6, 30e6])
+    assert nearest(values, loads).tolist() == [2, 2, 2, 1, 1, 0, 0, 0]
+    assert nearest(np.array([-3e6, 3e6]), loads[:2]).tolist() == [1, 1]
+    assert nearest(np.array([-3e6, 3e6]), loads[:1]).tolist() == [0, 0]

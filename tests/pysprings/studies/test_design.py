@@ -100,6 +100,8 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     file.write_text(f"name,H [kN],arm [m],V [MN]\n{rows}", encoding="utf-8")
     table = answer_cases(tree, read_load_cases(file), extrapolate=True).set_index("name")
     assert table["V_springs_N"].tolist() == pytest.approx([2e6, 6e6, 6e6])  # 4 is 1/3 below 6, 1/2 above 2
+    between = [text for text in table.attrs["notes"] if "V is between the springs" in text]
+    assert [text.partition(":")[0] for text in between] == ["at some V"]  # not those of 2.1 and 8 MN
     with pytest.warns(UserWarning):  # two rays are 90 degrees apart
         sides = [1e3 * float(predict(tree, H=1e5, arm=2.0, V=V)["u"]) for V in (2e6, 6e6)]
         notes = ["; ".join(predict(tree, H=1e5, arm=2.0, V=V).attrs["remarks"]) for V in (2.1e6, 4e6)]
