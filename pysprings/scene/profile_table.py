@@ -59,7 +59,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "effective_unit_weight": ("submerged unit weight", "buoyant unit weight", "gamma'", "γ'"),
     "K0": ("k0",), "hydraulic_conductivity": ("permeability", "k"),
     "undrained_shear_strength": ("su", "cu", "s u", "c u"), "plasticity_index": ("pi", "ip"),
-    "overconsolidation_ratio": ("ocr",),
+    "overconsolidation_ratio": ("ocr",), "rigidity_ratio": ("g/su", "g/cu", "rigidity index", "ir"),
     "shear_modulus": ("g0", "g", "gmax", "g max", "g 0", "small strain shear modulus"),
     "strain_at_half_strength": (),
     DENSITY: ("dr", "density index", "id", "d r"), "critical_friction_angle": ("phi cv", "phi cs", "phi crit"),

@@ -22,6 +22,7 @@ from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import (
     EPS50,
     NAMES,
+    REMARK,
     SAME,
     TOTAL,
     VELOCITY,
@@ -69,7 +70,7 @@ class Points:
 
 @dataclass(frozen=True)
 class Bed:
-    """A layer of a table: file and line, ends [m], name, values at both ends by key in SI, law (blank for none)."""
+    """A layer of a table: file and line, ends [m], name, values at both ends by key in SI, law and remark or blank."""
 
     place: str
     line: int | None
@@ -78,6 +79,7 @@ class Bed:
     name: str
     values: dict[str, tuple[float, float]]
     law: str = ""
+    remark: str = ""
 
     def down_to(self, depth: float) -> Bed:
         """Return the layer down to a depth (m), with the values that it has there."""
@@ -282,13 +284,13 @@ def _beds(path: Path, sheets: list[Sheet]) -> list[Bed]:
     for k in np.flatnonzero(~(bottoms > tops)).tolist():
         table.fault(k, "bottom", "is blank, or not below the top of the layer")
     table.faults.stop()
-    names, laws = table.texts("name"), table.texts("law")
+    names, laws, remarks = table.texts("name"), table.texts("law"), table.texts(REMARK)
     for k in [k for k, law in enumerate(laws) if law and law not in SOIL_LAWS]:
         table.fault(k, "law", f"{quoted(laws[k])} is not one of {', '.join(SOIL_LAWS)}{suggestion(laws[k], SOIL_LAWS)}")
     table.faults.stop()
     return [
         Bed(table.place, int(table.lines[k]), float(tops[k]), float(bottoms[k]), names[k] or f"layer {k + 1}",
             {key: (float(first[k]), float(lasts.get(key, first)[k])) for key, first in firsts.items()
-             if np.isfinite(first[k]) and np.isfinite(lasts.get(key, first)[k])}, laws[k])
+             if np.isfinite(first[k]) and np.isfinite(lasts.get(key, first)[k])}, laws[k], remarks[k])
         for k in range(len(table))
     ]  # fmt: skip

@@ -165,9 +165,10 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
 
 
 def _mark(unit: Unit) -> str:
-    """Return what results of a layer have to state: values that stand on correlations outside their range."""
+    """Return what results of a layer have to state: its remark, values on correlations outside their range."""
     odd = [shown.symbol for key, shown, value in _of(unit) if key in unit.written and _beyond(value)]
-    return f"{', '.join(odd)} outside the range of their correlations" if odd else ""
+    outside = f"{', '.join(odd)} outside the range of their correlations" if odd else ""
+    return "; ".join(filter(None, (unit.remark, outside)))
 
 
 def _beyond(value: Value) -> bool:

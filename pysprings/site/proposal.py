@@ -58,6 +58,7 @@ MARKED = 0.1  # share of rows outside the range of a correlation from which it i
 ROUNDING = 1.0e-9  # of the largest value of a line: less is 0
 LEAST_SHARE = 0.02  # of the largest value of a line, where points have no ratio to it
 MOST_NAMED = 60  # characters of a name
+_FORMULA = "=+-@ "  # a spreadsheet would read what begins so as a formula
 FEWEST_POINTS = 3  # in a layer, for a range
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
 _CAPITALS = re.compile(r"\b[A-Z]{3,}\b")  # of the principal soil in descriptions
@@ -78,7 +79,10 @@ class Value:
 
 @dataclass
 class Unit:
-    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, law, values by key."""
+    """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, law, values by key.
+
+    ``remark`` : of the layer in a file, which stays with it.
+    """
 
     top: float
     bottom: float
@@ -89,6 +93,7 @@ class Unit:
     law: str = ""
     values: dict[str, Value] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
+    remark: str = ""
 
     @property
     def written(self) -> dict[str, Value]:
@@ -223,7 +228,7 @@ def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[U
 
 def _unit(bed: Bed, index: Array) -> Unit:
     """Return a layer of a table, without values."""
-    name = bed.name.lstrip("=+-@ ") or "layer"  # a spreadsheet would read a formula
+    name = bed.name.lstrip(_FORMULA) or "layer"
     short = name if len(name) <= MOST_NAMED else f"{name[: MOST_NAMED - 3]}..."
     return Unit(bed.top, bed.bottom, short, _kind(bed, index))
 
@@ -315,7 +320,7 @@ def _remark(unit: Unit) -> None:
 def _given(unit: Unit, beds: Sequence[Bed]) -> None:
     for bed in beds:
         if (bed.top, bed.bottom) == (unit.top, unit.bottom):
-            unit.law = bed.law
+            unit.law, unit.remark = bed.law, bed.remark.lstrip(_FORMULA)
             for key, line in bed.values.items():
                 unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",), measured=True)
 

@@ -392,6 +392,20 @@ def test_marks_of_the_table_are_read_with_it(cpt, tmp_path) -> None:
     assert parse_scene(scene.to_toml()).soil.layers[0].remark == sand["remark"]
 
 
+def test_remarks_and_ratios_of_stiffness_of_a_table_stay_with_their_layers(tmp_path) -> None:
+    """Both were left out, with a note."""
+    head = "Depth from [m],Depth to [m],Soil type,Effective unit weight [kN/m3],su [kPa],{},Remark\n"
+    for ratio in ("G/su", "Rigidity index"):
+        rows = "0,4,soft clay,6,10,200,=borehole 3\n4,20,stiff clay,7.5,60,150,\n"
+        (tmp_path / "layers.csv").write_text(head.format(ratio) + rows)
+        made = command("ground", tmp_path / "layers.csv", "--out", tmp_path / "site.csv", "--no-figures", "--force")
+        assert "not used" not in made.err and "fill it in" not in made.out
+        for each in (tmp_path / "layers.csv", tmp_path / "site.csv"):
+            first, second = read_layers(each)
+            assert (first["rigidity_ratio"], second["rigidity_ratio"]) == (200.0, 150.0)
+            assert first["remark"].lstrip("=") == "borehole 3" and "remark" not in second
+
+
 def test_a_line_through_0_has_the_range_of_its_other_points(tmp_path) -> None:
     (tmp_path / "lab.csv").write_text("Depth [m],su [kPa]\n0,0\n2,4\n3,6\n4,8\n5,10\n")
     su = proposal(tmp_path / "lab.csv")["layers"][0]["values"]["undrained_shear_strength"]
