@@ -58,7 +58,7 @@ def compilation(begun: Callable[[], None]) -> Iterator[Callable[[], float]]:
 
 
 def mark_of(kind: str) -> Path | None:
-    """Return the file beside the kept loops that says that those of a kind of scene are there; None: none are kept."""
+    """Return the file beside the kept loops that marks those of a kind of scene as made; None: none are kept."""
     from fe_engine.compiled import HOME, engine_digest, folder_of
 
     folder = folder_of(HOME, engine_digest())

@@ -219,7 +219,7 @@ def numbers(answer: Answer, source: Source, values: Values) -> list[tuple[str, s
 
 
 def remarks(answer: Answer) -> list[tuple[str, str]]:
-    """Return all that is to be said of an answer, as `predict` says it: kinds ("refused", "mark", "note"), texts."""
+    """Return the notes and marks of an answer, as `predict` prints them: kinds ("refused", "mark", "note"), texts."""
     from pysprings.cli import predictions
 
     if answer.refusal:

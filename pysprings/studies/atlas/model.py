@@ -60,7 +60,7 @@ class Atlas:
     reach : largest rho over D.
     rest : (2, ray, X) standard deviation of H over F h and M over F L h that `Estimate.modes` do not hold.
     factor : of all standard deviations, such that 95 % of the cases left out lie in the band of 95 %.
-    fan : standard deviations of what rays do not say of pulls where the soil has failed: over the load, and over the
+    fan : standard deviations of what rays leave open of pulls where the soil has failed: over the load, and over the
         rotation. From held-back pulls (`pysprings.studies.atlas.build`); 0 where there were none.
     about : where it comes from: words for files and reports.
     mean, modes : (ray, row, X) and (m, ray, row, X): principal components.
