@@ -276,16 +276,19 @@ def _keys(section: type[sections.Section]) -> list[str]:
     return [str(info.validation_alias or name) for name, info in section.model_fields.items()]
 
 
+_LAW = {"law": "yield_surface", "yield_surface": "law"}  # of [soil] and of a layer
+
+
 def _unknown_key(path: KeyPath) -> Fault:
     """Return the message on an unknown key, with the most similar valid one."""
     name = str(path[-1])
     section = sections.Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
     known = _keys(section) if len(path) > 1 and section else ["title", *SECTIONS]
     homes = [_header((section,)) for section, model in SECTIONS.items() if name in _keys(model)]
-    same = key_of(name) if path[0] == "soil" else None
+    same = key_of(name) or _LAW.get(name) if path[0] == "soil" else None
     meant = f" (did you mean '{same}'?)" if same in known else suggestion(name, known)
     near = re.search(r"'(.*)'", meant)
-    hint = f" (it belongs in {' or '.join(homes)})" if homes else meant
+    hint = f" (it belongs in {' or '.join(homes)})" if homes and same not in known else meant
     return Fault((path,), f"unknown key{hint}", at_key=True, meant=near[1] if near else "")
 
 
