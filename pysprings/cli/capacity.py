@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from pysprings.cli.options import (
     Changes,
     DrawnFigures,
+    EstimateError,
     Format,
     Jobs,
     Json,
@@ -58,6 +60,7 @@ def capacity(
     macro: Annotated[bool, option("--macro/--no-macro", "set the macro-model beside it")] = True,
     mesh: Mesh = None,
     discretisation: Series = None,
+    estimate: EstimateError = None,
     changes: Changes = None,
     force: Annotated[bool, option("--force", "repeat every run")] = False,
     figures: DrawnFigures = None,
@@ -83,6 +86,7 @@ def capacity(
     refuse_no_folder(folder)
     read = load_scene(scene, changes or ())
     request = _request(read, vertical or [], directions, macro and springs is None, factor or [], torsion or [])
+    request = replace(request, estimate=estimate)
     chosen, given = study.scene_of(read, mesh, discretisation), None
     if file := cases or read.design.cases:
         every, radius = read_load_cases(file), 0.5 * read.caisson.outer_diameter

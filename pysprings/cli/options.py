@@ -30,6 +30,13 @@ Series = Annotated[Discretisation | None, option("--discretisation", "bricks or 
 Target = Annotated[
     TargetError | None, option("--target-error", "run on finer meshes until the run's own estimate is within it")
 ]
+EstimateError = Annotated[
+    bool | None,
+    option(
+        "--estimate-error/--no-estimate-error",
+        "also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
+    ),
+]
 Changes = Annotated[
     list[str] | None,
     option("--set", 'value instead of the scene\'s, e.g. soil.young_modulus="80 MPa"; repeated', "KEY=VALUE"),

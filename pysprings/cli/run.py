@@ -21,6 +21,7 @@ from pysprings.cli.folders import (
 )
 from pysprings.cli.options import (
     Changes,
+    EstimateError,
     Estimates,
     Format,
     Jobs,
@@ -89,13 +90,7 @@ def run(
     budget: Annotated[
         float | None, quantity("--budget", "s", "10 min", "time that the runs to a target error may take in all")
     ] = None,
-    estimate: Annotated[
-        bool | None,
-        option(
-            "--estimate-error/--no-estimate-error",
-            "also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
-        ),
-    ] = None,
+    estimate: EstimateError = None,
     estimates: Estimates = None,
     resume: Annotated[bool, option("--resume", "go on with the interrupted run in the folder")] = False,
     force: Annotated[bool, option("--force", "replace results that the folder holds")] = False,

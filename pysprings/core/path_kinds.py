@@ -5,6 +5,7 @@ Degrees of freedom of the caisson: u, w, rotation; loads H, V, M in the same ord
 it in six: `MOTIONS`, `LOADS`.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -117,6 +118,13 @@ PARTS, PAIRS = "then_parts", "then_pairs"
 def bends(attrs: Mapping[object, object]) -> bool:
     """Return whether H and M change their ratio on a path with these attributes: a swipe, a load that climbs."""
     return PATH_KINDS[str(attrs["kind"])].bends or "arm_from_m" in attrs or PAIRS in attrs
+
+
+def along_load(attrs: Mapping[Any, Any]) -> tuple[float, float] | None:
+    """Return H and M [m] over the size of the load on a path that keeps the direction of its load; None of others."""
+    if not PATH_KINDS[str(attrs["kind"])].conjugate:
+        return None
+    return math.cos(float(attrs["load_angle_rad"])), float(attrs["load_lever_m"])
 
 
 def turns_back(attrs: Mapping[object, object]) -> bool:

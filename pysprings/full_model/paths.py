@@ -38,7 +38,7 @@ from pysprings.full_model.run_record import COMPLETE, Ending, LimitLoad, Status
 from pysprings.full_model.work import Work, make_collector, prepare
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import path_seconds
-from pysprings.model.stages import dead_load_stage, large_motion, path_stages, viscous_displacement
+from pysprings.model.stages import dead_load_stage, large_motion, load_along, path_stages, viscous_displacement
 from pysprings.model.water import undrained_time
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import Path
@@ -439,6 +439,8 @@ def _keep(work: Work, path: Path, run: Gathered) -> None:
         }  # fmt: skip
         if not path.in_space:
             dataset.attrs |= end_attrs(run.ending.reason, run.ending.why, dataset)
+        if path.load_angle is not None and not path.in_space:
+            dataset.attrs["load_lever_m"] = load_along(work.scene, path)[2]
         optional = {
             "direction_rad": path.direction, "rate_m_per_s": path.rate, "arm_from_m": path.arm_from,
             "viscous_displacement_m": viscous_displacement(work.scene, path) if run.given_up else None,

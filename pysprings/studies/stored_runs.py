@@ -41,8 +41,8 @@ class Whole:
         own = list(paths or self.paths)
 
         def progress(path: str, fraction: float, message: str) -> None:
-            if path not in own:  # the model is being made
-                self.report(name, 0.0, message)
+            if path not in own:  # the model is being made, or the coarser mesh runs
+                self.report(name, self._done.get(name, 0.0), message)
                 return
             fraction = (own.index(path) + fraction) / len(own)
             self._skipped.setdefault(name, fraction if fraction > _TAKEN_UP else 0.0)

@@ -28,7 +28,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
 
 from pysprings.core.arrays import Array
-from pysprings.core.path_kinds import PATH_KINDS, kind_of
+from pysprings.core.path_kinds import PATH_KINDS, along_load, kind_of
 from pysprings.macro.measures import eta
 from pysprings.springs.path import paths_of
 
@@ -41,6 +41,9 @@ _PRESSURE_DEPTHS = 19
 def driver_of(path: xr.Dataset, length: float) -> Array:
     """Return the size of what drives a path, (step,): m, or rad on a rotation path; L = ``length`` in m."""
     kind = kind_of(path.attrs)
+    if along := along_load(path.attrs):
+        conjugate = along[0] * path["u"].values + along[1] * path["rotation"].values
+        return np.abs(conjugate - conjugate[0])
     if kind.bends:
         return np.abs(path["u"].values) + length * np.abs(path["rotation"].values)
     return np.abs(path[kind.drives].values - path[kind.drives].values[0])
@@ -49,10 +52,15 @@ def driver_of(path: xr.Dataset, length: float) -> Array:
 def load_of(path: xr.Dataset) -> Array:
     """Return the load that answers what is driven, (step,): H [N], M [N m] of a rotation, change of V [N].
 
+    Of a load that keeps its direction it is its size [N].
+
     Of a translation with a rotation in proportion to u it is H + M rotation/u, the work of both loads over u: H alone
     may cross zero on such a path.
     """
     kind = kind_of(path.attrs)
+    if along := along_load(path.attrs):
+        sizes: Array = (along[0] * path["H"].values + along[1] * path["M"].values) / (along[0] ** 2 + along[1] ** 2)
+        return sizes
     values: Array = path[kind.load].values
     if kind.load == "V":
         return values - values[0]
@@ -66,8 +74,11 @@ def _turn(path: xr.Dataset) -> float:
 
 
 def other_of(path: xr.Dataset) -> Array | None:
-    """Return the second answer, (step,): the rotation of a free head [rad], else M [N m], H [N] of a rotation."""
-    name = kind_of(path.attrs).companion
+    """Return the second answer, (step,): the rotation of a free head [rad], else M [N m], H [N] of a rotation.
+
+    None of vertical paths, and of a load that keeps its direction.
+    """
+    name = None if along_load(path.attrs) else kind_of(path.attrs).companion
     return None if name is None else path[name].values
 
 
@@ -112,7 +123,7 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
 
     H/u [N/m] under a load at its arm (at the first one, of a load that climbs), or of a swipe with the ratio of
     rotation and u of its first step; (H + M rotation/u)/u of a translation; M/rotation [N m/rad] about the lid centre;
-    V/w [N/m].
+    V/w [N/m]; of a load that keeps its direction, its size over the displacement conjugate to it [N/m].
     """
     kind, heave_free = PATH_KINDS[str(path.attrs["kind"])], path.attrs.get("heave", "free") == "free"
     if kind.drives == "w":
@@ -120,6 +131,8 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
     K = stiffness[np.ix_([0, 2], [0, 2])]
     if heave_free:  # w follows so that V stays
         K = K - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / stiffness[1, 1]
+    if along := along_load(path.attrs):
+        return float(1.0 / (along @ np.linalg.solve(K, along)))
     if kind.free_head:
         arm = float(path.attrs.get("arm_from_m", path.attrs["arm_m"]))
         return float(1.0 / np.linalg.solve(K, np.array([1.0, arm]))[0])

@@ -28,10 +28,11 @@ from fe_engine.clock import Clock
 from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import PATH_KINDS, along_load
 from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import two_mesh
+from pysprings.full_model.accuracy.measures import driver_of
 from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.record import Meter
@@ -86,7 +87,7 @@ def extrapolated(
 
 def has_equal_motion(path: RecordedPath) -> bool:
     """Return whether a motion drives a path, so that meshes can be compared at equal motion."""
-    return not (path.rules.force or path.rules.conjugate)
+    return not path.rules.force
 
 
 Reactions = dict[str, Array]
@@ -96,7 +97,8 @@ def _path(fine: RecordedPath, share: float, cells: Reactions, harmonics: Reactio
     """Return the extrapolated variables of a path, from those of coarser cells, and of these with more harmonics."""
     own, new = fine.recorded, {}
     steps = np.flatnonzero(own["converged"].values == 1)
-    held = {"u", "rotation"} & set(PATH_KINDS[fine.kind].holds)  # not w: both meshes settle before
+    rules = PATH_KINDS[fine.kind]
+    held = set() if rules.conjugate else {"u", "rotation"} & set(rules.holds)  # not w: both meshes settle before
     for name in (name for name in cells if name not in held):
         order = _axes(own, name)
         values = np.array(own[name].transpose(*order).values, dtype=float)
@@ -152,10 +154,13 @@ def _way(path: xr.Dataset, length: float) -> Array:
 
     Raises NotAlike: states share a place: a load changes while nothing moves.
     """
-    rules = PATH_KINDS[str(path.attrs["kind"])]
-    sizes = {"u": 1.0, "w": 1.0, "rotation": length}
-    moved = [sizes[name] * np.abs(np.diff(path[name].values)) for name in rules.holds]
-    way = np.concatenate([[0.0], np.cumsum(np.sum(moved, axis=0))])
+    if along_load(path.attrs) is not None:
+        way = driver_of(path, length)
+    else:
+        sizes = {"u": 1.0, "w": 1.0, "rotation": length}
+        holds = PATH_KINDS[str(path.attrs["kind"])].holds
+        moved = [sizes[name] * np.abs(np.diff(path[name].values)) for name in holds]
+        way = np.concatenate([[0.0], np.cumsum(np.sum(moved, axis=0))])
     time = path["time"].values - path["time"].values[0]
     way = way + (way[-1] * time / time[-1] if time[-1] > 0.0 else 0.0)
     if path.sizes["step"] < 2 or not (np.diff(way) > _SAME * way[-1]).all():

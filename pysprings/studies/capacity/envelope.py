@@ -9,6 +9,7 @@ import pandas as pd
 from pysprings.core.arrays import Array
 from pysprings.core.loads import same_load
 from pysprings.core.tables.load_cases import LoadCases
+from pysprings.springs.path_ends import MESH_ERROR
 
 _FLAT = 1e-9  # volume of unit vectors in one plane: they enclose no direction
 
@@ -27,7 +28,7 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
     """Return a row a case and strength: its load over the chord in its direction, at the nearest computed V.
 
     `utilisation` is NaN where no points enclose the direction of a case, `upper_bound` 1 where an end of its chord is a
-    probe that stopped before failure. `off_load` is 1 where the V of a case is none of those computed, to 0.1 %: not
+    probe that stopped before failure, `mesh_error_pct` the larger of the mesh's errors there. `off_load` is 1 where the V of a case is none of those computed, to 0.1 %: not
     the 10 % of springs, as an envelope closes where V nears its own capacity, and a tenth of V is not small there. A
     case without V has the worst of all.
     """
@@ -39,7 +40,8 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
             load = np.array([cases.H[k], cases.M[k], cases.torsion[k]])
             found = [_along(own[own["V_N"] == V], load) for V in near]
             worst = int(np.argmax([np.inf if np.isnan(share) else share for share, _ in found]))
-            (share, known), nearest = found[worst], float(near[worst])
+            (share, ends), nearest = found[worst], float(near[worst])
+            known = bool(ends["is_capacity"].all())
             V = nearest if np.isnan(cases.V[k]) else float(cases.V[k])
             off = not same_load(V, nearest)
             rows.append({
@@ -50,26 +52,27 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
                 "M_capacity_Nm": float(cases.M[k]) / share if share > 0.0 else np.nan,
                 "T_capacity_Nm": float(cases.torsion[k]) / share if share > 0.0 else np.nan,
                 "utilisation": share if not off else np.nan, "upper_bound": int(not known and np.isfinite(share)),
+                MESH_ERROR: float(ends[MESH_ERROR].max()),
                 "remarks": cases.notes[k],
             })  # fmt: skip
     return pd.DataFrame(rows)
 
 
-def _along(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
-    """Return the share that a load (H, M, T) is of an envelope in its direction, and whether capacities bound it.
+def _along(points: pd.DataFrame, load: Array) -> tuple[float, pd.DataFrame]:
+    """Return the share that a load (H, M, T) is of an envelope in its direction, and the points that bound it there.
 
     Without torsion it is that of the chord between two directions, with torsion that of the triangle of three.
     """
     if not load.any():
-        return 0.0, True
+        return 0.0, points.iloc[:0]
     if load[2] != 0.0:
         return _along_face(points, load)
     plane = points[points["torsion_deg"] == 0.0]
-    return _along_chord(closed(plane), *load[:2]) if len(plane) else (math.nan, False)
+    return _along_chord(closed(plane), *load[:2]) if len(plane) else (math.nan, plane)
 
 
-def _along_face(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
-    """Return the share and whether capacities bound it, of a load (H, M, T) between three neighbouring directions.
+def _along_face(points: pd.DataFrame, load: Array) -> tuple[float, pd.DataFrame]:
+    """Return the share of a load (H, M, T) between three neighbouring directions, and their points.
 
     The directions are those of the points and of their mirror images; neighbours are corners of a face of the convex
     hull of directions. NaN where the points do not enclose the origin.
@@ -80,20 +83,19 @@ def _along_face(points: pd.DataFrame, load: Array) -> tuple[float, bool]:
     scaled = np.vstack([own * [s, s, t] for s in (1.0, -1.0) for t in (1.0, -1.0)])
     scaled /= (scale := np.maximum(np.abs(scaled).max(axis=0), 1e-300))
     if np.linalg.matrix_rank(scaled, tol=1e-6) < 3:
-        return math.nan, False
+        return math.nan, points.iloc[:0]
     corners = scaled / np.linalg.norm(scaled, axis=1)[:, None]
     faces = ConvexHull(corners).simplices
     faces = faces[np.abs(np.linalg.det(corners[faces])) > _FLAT]
     shares = np.linalg.solve(scaled[faces].swapaxes(1, 2), (load / scale)[:, None])[..., 0]
     k = int(np.argmax(shares.min(axis=1) / np.abs(shares).sum(axis=1)))
     used = faces[k][shares[k] > 1e-9 * shares[k].sum()] % len(own)
-    return float(shares[k].sum()), bool(points["is_capacity"].to_numpy(dtype=bool)[used].all())
+    return float(shares[k].sum()), points.iloc[used]
 
 
-def _along_chord(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, bool]:
-    """Return the share that a load is of the chord in its direction, and whether both of its ends are capacities."""
+def _along_chord(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, pd.DataFrame]:
+    """Return the share that a load is of the chord in its direction, and the ends of the chord."""
     points = envelope[["H_N", "M_Nm"]].to_numpy(dtype=float)
-    known = envelope["is_capacity"].to_numpy(dtype=bool)
     for k in range(len(points) - 1):
         pair = np.column_stack([points[k], points[k + 1]])
         if abs(np.linalg.det(pair)) <= _FLAT * math.prod(np.linalg.norm(pair, axis=0)):
@@ -101,5 +103,5 @@ def _along_chord(envelope: pd.DataFrame, H: float, M: float) -> tuple[float, boo
         for sign in (1.0, -1.0):
             shares = np.linalg.solve(pair, sign * np.array([H, M]))
             if (shares >= -1e-9 * math.fsum(np.abs(shares))).all():
-                return float(shares.sum()), bool(known[k] and known[k + 1])
-    return math.nan, False
+                return float(shares.sum()), envelope.iloc[k : k + 2]
+    return math.nan, envelope.iloc[:0]

@@ -16,6 +16,7 @@ from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
 from pysprings.scene.model import Scene
+from pysprings.springs.path_ends import MESH_ERROR
 from pysprings.studies.capacity.envelope import closed
 from pysprings.studies.capacity.plan import CHARACTERISTIC, TORSION_ALONE
 from pysprings.studies.capacity.points import Capacity
@@ -155,6 +156,7 @@ FULL = (
     Column("rotation [deg]", "rotation_rad", 3, math.degrees(1.0)),
     TORSION[2],
 )
+ERROR = Column("mesh error [%]", MESH_ERROR, 2)
 MACRO = (
     Column("macro-model H [MN]", _mega("H_macro_N")),
     Column("M [MN m]", _mega("M_macro_Nm")),
@@ -208,15 +210,18 @@ def table_of(outcome: Capacity) -> Table:
     """Return the capacities as a table; without the columns of torsion or of a macro-model where there is none."""
     rows = outcome.table.to_dict("records")
     both, turned = any(row["criterion_macro"] for row in rows), any(row["torsion_deg"] for row in rows)
-    columns = tuple(each for each in FULL + MACRO * both if turned or each not in TORSION)
+    known = bool(outcome.table[MESH_ERROR].notna().any())
+    every = (*FULL, *[ERROR] * known, *MACRO * both)
+    columns = tuple(each for each in every if turned or each not in TORSION)
     return Table.of(columns, rows, note=DIRECTIONS + WITH_TORSION * turned, wide=True)
 
 
 def table_of_cases(cases: pd.DataFrame) -> Table:
     """Return the load cases as a table; without the column of torsion where there is none."""
     rows = cases.to_dict("records")
-    turned = any(row["T_Nm"] for row in rows)
-    return Table.of([each for each in CASES if turned or each not in TORSION], rows, wide=True)
+    turned, known = any(row["T_Nm"] for row in rows), bool(cases[MESH_ERROR].notna().any())
+    every = (*CASES[:-1], *[ERROR] * known, CASES[-1])
+    return Table.of([each for each in every if turned or each not in TORSION], rows, wide=True)
 
 
 def closing(table: pd.DataFrame) -> str:

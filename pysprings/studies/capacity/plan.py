@@ -36,6 +36,7 @@ class Request:
     """What is asked for: vertical loads [N] or "balanced", number of directions, rays or none, factors on strength.
 
     torsion : angles out of the plane of H and M/D [rad], beside 0; each has all directions, that of T alone has one.
+    estimate : whether a coarser mesh shows the error of each; None: with series.
     """
 
     loads: tuple[float | str, ...]
@@ -43,6 +44,7 @@ class Request:
     rays: bool = True
     factors: StrengthFactors = field(default_factory=StrengthFactors)
     torsion: tuple[float, ...] = ()
+    estimate: bool | None = None
 
     def __post_init__(self) -> None:
         if not FEWEST <= self.directions <= MOST:

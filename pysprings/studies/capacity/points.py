@@ -23,6 +23,7 @@ from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
+from pysprings.full_model.accuracy.own_estimate import PHASE, estimates_by_default
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.full_model.run_record import RunRecord
 from pysprings.model.forecast.resources import jobs_for, size_of
@@ -50,7 +51,7 @@ class Capacity:
     remarks: tuple[str, ...]
 
 
-PEAK = 1e-3  # share by which the largest load is above the last one
+PEAK = 1e-3  # share by which the largest load is above the last one, at the least
 # What fails is seen over this share of the conjugate displacement at least. The last steps of a probe that localisation
 # stops are smaller by orders of magnitude, and their load is flat or falls without a failure.
 SEEN = 0.01
@@ -79,6 +80,7 @@ class Point:
         it at least; 1 in a linear response.
     moved : share of the limit of motion at the largest load.
     why : reason of a probe that stopped.
+    mesh_error : estimate of the error of the load that the mesh makes [%]; NaN without one.
     """
 
     direction: Direction
@@ -96,6 +98,7 @@ class Point:
     growth: float
     moved: float
     why: str = ""
+    mesh_error: float = np.nan
 
     @property
     def is_capacity(self) -> bool:
@@ -121,7 +124,10 @@ def point_of(folder: Path, record: RunRecord | None, scene: Scene, direction: Di
     states = np.zeros((len(frame), 12))
     for name, column in (PLANE if "u_m" in frame else SPACE).items():
         states[:, column] = frame[name]
-    return assess(states, scene, direction, "; ".join(record.failures))
+    why, (ends, error) = "; ".join(record.failures), (record.paths.get(PROBE), record.error_estimate or {})
+    at_limit = ends is not None and ends.reason is StopReason.DISPLACEMENT_LIMIT
+    known = error.get("by_path", {}).get(PROBE, {}).get("load_pct", np.nan)
+    return assess(states, scene, direction, why, at_limit, float(known))
 
 
 def along_load(direction: Direction, diameter: float) -> Array:
@@ -137,17 +143,22 @@ def size_of_load(loads: Array, scene: Scene, direction: Direction) -> Array:
     return size
 
 
-def assess(states: Array, scene: Scene, direction: Direction, why: str = "") -> Point:
+def assess(
+    states: Array, scene: Scene, direction: Direction, why: str = "", at_limit: bool = False,
+    mesh_error: float = np.nan,
+) -> Point:  # fmt: skip
     """Return the capacity from states (n, 12) = (u_x ... rot_z, H_x ... T) in SI, the initial one first.
 
     H acts along x. A load with torsion moves the caisson across, too, which counts in the limit of motion.
+    ``at_limit``: the run ended at that limit, from which extrapolated motions may be off. A fall within the error of
+    the mesh (%) is no peak.
     """
     limit, rest = DisplacementLimit.of(scene, float(states[0, 2])), float(states[0, 8])
     moved = np.array([limit.share(state[:6]) for state in states])
     along = along_load(direction, scene.caisson.outer_diameter)
     over = np.flatnonzero(moved >= 1.0 - _MET)
-    ended = bool(over.size)
-    if ended:  # the state at the limit itself, between the last two
+    ended = bool(over.size) or at_limit
+    if over.size:  # the state at the limit itself, between the last two
         last = int(over[0])
         share = (1.0 - moved[last - 1]) / (moved[last] - moved[last - 1])
         edge = states[last - 1] + share * (states[last] - states[last - 1])
@@ -157,7 +168,7 @@ def assess(states: Array, scene: Scene, direction: Direction, why: str = "") -> 
     before = int(np.flatnonzero(path <= (1.0 - SEEN) * path[-1])[-1])
     growth = float((load[-1] - load[before]) / (path[-1] - path[before]) * path[-1] / load[-1])
     best = int(np.argmax(load))
-    if load[best] > (1.0 + PEAK) * load[-1] and path[best] <= (1.0 - SEEN) * path[-1]:
+    if load[best] > (1.0 + np.fmax(PEAK, 0.01 * mesh_error)) * load[-1] and path[best] <= (1.0 - SEEN) * path[-1]:
         criterion = Criterion.PEAK
     elif growth < PLATEAU:
         criterion = Criterion.PLATEAU
@@ -166,7 +177,8 @@ def assess(states: Array, scene: Scene, direction: Direction, why: str = "") -> 
     u, w, rotation, twist, H, V, M, T = states[best, [0, 2, 4, 5, 6, 8, 10, 11]].tolist()
     share, why = float(moved[best]), "" if ended else why
     return Point(
-        direction, float(load[best]), rest, H, V, M, T, u, w, rotation, twist, criterion, growth, share, why
+        direction, float(load[best]), rest, H, V, M, T, u, w, rotation, twist, criterion, growth, share, why,
+        mesh_error,
     )  # fmt: skip
 
 
@@ -175,12 +187,25 @@ SMALL_STEPS = {"max_step_fraction": 0.01, "first_step_fraction": None}
 
 @dataclass(frozen=True)
 class Planned:
-    """A run of the study: its name, scene, group; the direction of a probe, None for rays."""
+    """A run of the study: its name, scene, group; the direction of a probe, None for rays; whether it has an estimate.
+
+    That is one of the error of its mesh, from a coarser one: series are extrapolated with it.
+    """
 
     name: str
     scene: Scene
     group: Group
     direction: Direction | None
+    estimated: bool
+
+    def has_ended(self, out: Path) -> bool:
+        """Return whether a folder below ``out`` holds this run, with its estimate where it has one."""
+        folder = run_folder(out, self.name)
+        if not has_ended(folder, self.scene):
+            return False
+        record = record_of(folder, self.scene)
+        made = record is not None and record.error_estimate is not None and PHASE not in record.not_made
+        return made or not self.estimated
 
     def with_small_steps(self) -> Planned:
         """Return the run with steps of 1 % of the path at most."""
@@ -222,9 +247,11 @@ def planned(groups: Iterable[Group], request: Request) -> list[Planned]:
     """Return the runs of a study in their order."""
     runs = []
     for group in groups:
-        runs += [Planned(group.probe_name(each), group.probe(each), group, each) for each in request.all_directions]
+        own = estimates_by_default(group.scene) if request.estimate is None else request.estimate
+        for each in request.all_directions:
+            runs.append(Planned(group.probe_name(each), group.probe(each), group, each, own))
         if request.rays:
-            runs.append(Planned(group.rays_name, group.rays(), group, None))
+            runs.append(Planned(group.rays_name, group.rays(), group, None, own))
     return runs
 
 
@@ -236,7 +263,7 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
     """
     weights = {each.name: seconds(each.scene, size_of(each.scene).unknowns) for each in runs}
     whole = Whole(weights, report)
-    missing = {each.name for each in runs if not has_ended(run_folder(out, each.name), each.scene)}
+    missing = {each.name for each in runs if not each.has_ended(out)}
     ended: dict[str, Ended] = {}
 
     def done(task: Task, answer: Ended | Exception) -> None:
@@ -280,10 +307,10 @@ def _run(each: Planned, out: Path, progress: Progress) -> Ended:
     from pysprings.results.folder import run_or_go_on
 
     folder = run_folder(out, each.name)
-    if not has_ended(folder, each.scene):
+    if not each.has_ended(out):
         with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
             warnings.simplefilter("ignore")
-            run_or_go_on(each.scene, folder, progress)
+            run_or_go_on(each.scene, folder, progress, estimate_error=each.estimated)
     return Ended(each, folder, why_stopped(record_of(folder, each.scene)))
 
 

@@ -29,6 +29,7 @@ from pysprings.results.exporters.csv import write_frame
 from pysprings.scene.checks import off_plane_refusals
 from pysprings.scene.model import Scene
 from pysprings.springs.path import SpringPath
+from pysprings.springs.path_ends import MESH_ERROR
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, points
 from pysprings.studies.capacity.envelope import utilisation
@@ -201,6 +202,7 @@ def _row(planned: points.Planned, point: points.Point, model: MacroModel | None)
         "twist_rad": point.twist,
         "growth": point.growth,
         "moved": point.moved,
+        MESH_ERROR: point.mesh_error,
     }
     return row | _beside(point, model, planned.scene.caisson.outer_diameter) | {"run": planned.name}
 
