@@ -18,7 +18,7 @@ path met a limit load (`past_ends`). Where V is beyond the largest known vertica
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Self
 
 import numpy as np
@@ -26,7 +26,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Integers, Marks, Texts
-from pysprings.core.loads import close_loads
+from pysprings.core.loads import close_loads, fewest_loads, nearest, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
@@ -73,7 +73,33 @@ class Capacities:
 
 
 def capacities(model: MacroModel, loads: Array, V: Array | float | None = None) -> Capacities:
-    """Return the largest known loads along loads (n, 2) = (H [N], M [N m]), at vertical loads V, one or (n,) [N]."""
+    """Return the largest known loads along loads (n, 2) = (H [N], M [N m]), at vertical loads V, one or (n,) [N].
+
+    Where springs follow a V that changes they are those of the springs at each V, or within 10 % of it.
+    """
+    if model.whole is None or V is None or not model.response.follows(V):
+        return _at_one_load(model, loads, V)
+    down, own = np.broadcast_to(V, len(loads)), model.origin.load
+    known = np.array([own, *fewest_loads(down, own)])
+    place, parts, order = nearest(down, known), [], []
+    for k in np.unique(place):
+        rows, at = np.flatnonzero(place == k), model.under(float(known[k]))
+        part = _at_one_load(at, loads[rows], down[rows])
+        part.source[~close_loads(down[rows], at.origin.load) & (part.kind != "")] += _elsewhere(at)
+        parts.append(part)
+        order.append(rows)
+    back = np.argsort(np.concatenate(order))
+    return Capacities(
+        *(np.concatenate([getattr(part, each.name) for part in parts])[back] for each in fields(Capacities))
+    )
+
+
+def _elsewhere(model: MacroModel) -> str:
+    return f"; at V = {with_prefix(model.origin.load, 'N')} of the springs, not at this V"
+
+
+def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Capacities:
+    """Return the largest known loads of springs at one vertical load: see `capacities`."""
     plane = loads / [1.0, model.length]
     size = np.hypot(*plane.T)
     loaded = np.flatnonzero(size > 0.0)
@@ -133,10 +159,10 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
 
 def at_its_load(model: MacroModel, answer: xr.Dataset, largest: Capacities) -> Capacities:
     """Return the capacities of an answer with words where they are at V of the springs, which do not hold at this V."""
-    off = answer["off_load"].values == 1 if "off_load" in answer else np.zeros(len(largest.kind), dtype=bool)
-    largest.source[off & (largest.kind != "") & (largest.kind != NOT_KNOWN)] += (
-        f"; at V = {with_prefix(model.origin.load, 'N')} of the springs, not at this V"
-    )
+    if "off_load" not in answer or model.response.follows(answer["V"].values):
+        return largest
+    off = (answer["off_load"].values == 1) & ~same_loads(answer["V"].values, model.origin.load)
+    largest.source[off & (largest.kind != "") & (largest.kind != NOT_KNOWN)] += _elsewhere(model)
     return largest
 
 

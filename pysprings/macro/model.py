@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
-from pysprings.core.loads import close_loads
+from pysprings.core.loads import close_loads, same_load
 from pysprings.core.text import number
 from pysprings.macro.curve_table import FAMILIES, CurveSprings, SpringTable
 from pysprings.macro.fan import FanTable, has_fan
@@ -55,6 +55,7 @@ class MacroModel:
     elastic_loads : Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.capacity`.
     behind : The paths that the lateral springs come from.
     rate : That of the lateral springs [m/s, of rho]; None where they do not depend on one.
+    whole : The springs at all vertical loads that the lateral ones are of; None of tables.
     """
 
     response: Response
@@ -68,6 +69,7 @@ class MacroModel:
     elastic_loads: tuple[float, float] = (-np.inf, np.inf)
     behind: tuple[SpringPath, ...] = ()
     rate: float | None = None
+    whole: Springs | None = None
 
     @classmethod
     def from_springs(
@@ -95,7 +97,7 @@ class MacroModel:
         remarks = tuple(_remarks(chosen, spring_set, response, ends, rate))
         return cls(
             response, spring_set.name, chosen.stiffness, attrs, remarks, vertical, settled, ends,
-            elastic_loads(given), tuple(chosen.paths[name] for name in response.sources), rate,
+            elastic_loads(given), tuple(chosen.paths[name] for name in response.sources), rate, given,
         )  # fmt: skip
 
     @classmethod
@@ -111,6 +113,12 @@ class MacroModel:
     def on_rows(self, table: SpringTable) -> Self:
         """Return the caisson on other rows, in place of its lateral springs."""
         return replace(self, response=RowSprings(table, self.origin, self.response.sources))
+
+    def under(self, V: float) -> "MacroModel":
+        """Return the fan of the same springs at a vertical load [N]; at its own, and without others, the model."""
+        if self.whole is None or same_load(V, self.origin.load):
+            return self
+        return MacroModel.from_springs(self.whole, "fan", V=V)
 
     @property
     def table(self) -> SpringTable | FanTable:

@@ -179,13 +179,21 @@ NOTE = (
 )
 
 
+_GOVERN = {
+    "tilt_used": "tilt used", "utilisation": "utilisation", "utilisation_bound": "bound of the utilisation",
+    "utilisation_V": "V used",
+}  # fmt: skip
+
+
 def closing(table: pd.DataFrame) -> str:
     """Return the counts of the verdicts and the cases that govern; a case without an answer does where it is beyond."""
     counts = table["verdict"].value_counts()
     parts = [f"{n:,} {verdict}" for verdict, n in counts.items()]
     what = "row" if "group_u_m" in table else "case"
     text = f"{len(table):,} {what}{'' if len(table) == 1 else 's'}: {', '.join(parts)}"
-    for column, words in (("tilt_used", "tilt used"), ("utilisation", "utilisation"), ("utilisation_V", "V used")):
+    for column, words in _GOVERN.items():
+        if column not in table:
+            continue
         known = table[table[column].notna() & ((table["answered"] == 1) | (table[column] > 1.0))]
         if len(known):
             worst = known.sort_values([column, "name"]).iloc[-1]

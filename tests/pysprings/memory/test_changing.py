@@ -13,7 +13,7 @@ from pysprings.core.path_kinds import PARTS
 from pysprings.macro.cycles import follow_path, reaction_errors
 from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
-from pysprings.macro.predict import MacroWarning, sequence
+from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.memory import build
 from pysprings.memory.build import CHANGE, build_memory, has_elements, with_memory
 from pysprings.memory.calibration import ElementSet
@@ -207,6 +207,22 @@ def test_states_within_the_loads_are_not_marked_and_w_follows_v() -> None:
     assert down is not None
     w = sequence(whole(), still, control="state", V=V, extrapolate=True)["w"]
     np.testing.assert_allclose(w, down.history(V)[0], atol=1e-12)
+
+
+def test_the_utilisation_is_that_at_the_vertical_load_of_each_state() -> None:
+    """The heavy springs carry twice the load; beyond all loads it is that at the nearest, which the words name."""
+    load, V = np.array([[1e5, 1e5]]), np.array([REST, HEAVY, 1.04 * REST, 0.5 * REST, REST])
+    with pytest.warns(MacroWarning):
+        answer = sequence(whole(), np.repeat(load, 5, axis=0), V=V, extrapolate=True)
+    alone = [predict(loaded.springs(), H=load[0, 0], M=load[0, 1], V=at) for at in (REST, HEAVY)]
+    one, two = (float(each["utilisation"]) for each in alone)
+    np.testing.assert_allclose(answer["utilisation"], [one, two, one, one, one], rtol=1e-2)  # of 1.04 what V leaves
+    assert one == pytest.approx(2.0 * two, rel=1e-3)
+    assert answer.attrs["capacity_H_N"] == pytest.approx(alone[0].attrs["capacity_H_N"])
+    assert "not at this V" not in answer.attrs["capacity_from"] and answer["off_load"].values[-1] == 1
+    with pytest.warns(MacroWarning):
+        beyond = sequence(whole(), np.repeat(load, 4, axis=0), V=V[:4], extrapolate=True)
+    assert "; at V = 2 MN of the springs, not at this V" in beyond.attrs["capacity_from"]
 
 
 def test_a_stepper_follows_v_as_a_sequence_does() -> None:

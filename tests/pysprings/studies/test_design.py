@@ -121,6 +121,8 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     words = f"loads at equal motion at least {100 * share:.0f} % of those of the springs; bound: u "
     assert words in beyond["marks"] and table["u_bound_m"].notna().tolist() == [False, False, True]
     assert set(table["verdict"]) == {"supported in part"}
+    governs = f"largest bound of the utilisation {beyond['utilisation_bound']:.3g} in 'at 8'"
+    assert governs in text.closing(table.reset_index())
 
 
 def test_a_v_beyond_springs_at_one_v_has_a_bound_where_a_vertical_path_leads_beyond_it(tmp_path: Path) -> None:
