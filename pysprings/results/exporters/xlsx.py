@@ -127,7 +127,8 @@ def about_lines(
     yield from (("text", name, words) for name, words in _TERMS)
     yield "text", "", ""
     yield "title", "Names for formulas (PATH: a load path; K: number of a depth from the top)", ""
-    yield from (("text", "", f"{pattern}: {words}") for pattern, words in MEANING.items())
+    words = {pattern: text.replace("the full model", given.reference) for pattern, text in MEANING.items()}
+    yield from (("text", "", f"{pattern}: {text}") for pattern, text in words.items())
     yield "text", "", ""
     yield "title", "Range of validity", ""
     yield from (("text", "fan", words) for words in _fan(given))
@@ -194,6 +195,7 @@ class Book:
         self.down = [name for name, path in paths.items() if path.is_vertical]
         self.lateral = [name for name in self.paths if name not in self.down]
         self.plain = plain_names(self.paths)
+        self.recorded = Springs.of(springs).reference.removeprefix("the ")  # what the paths are of
         self.head = file.add_format(HEAD)
         self.title = file.add_format({"bold": True, "font_size": 13})
         self.number = file.add_format({"num_format": "0.000"})
@@ -225,11 +227,11 @@ class Book:
             first = rows[name][1] + 1
         return rows
 
-    def of(self, names: Iterable[str], variable: str, name: str = "", form: str = "{}") -> Cells:
+    def of(self, names: Iterable[str], variable: str, name: str = "", head: str = "") -> Cells:
         """Return the column of a variable by step (H_tip: as H of `QUANTITIES`), with its defined name."""
         heading, factor = QUANTITIES[variable.partition("_")[0]]
         values = [self.paths[each][variable].values * factor for each in names]
-        return Cells(form.format(heading), values, name=name)
+        return Cells(head or heading, values, name=name)
 
     def by_depth(self, headings: Mapping[str, str], values: Sequence[Sequence[Array]]) -> Iterator[Cells]:
         """Yield columns of arrays (depth, step) by heading and path: for each depth one a heading, names numbered."""
@@ -357,7 +359,7 @@ def _mtheta(book: Book, sheet: Any) -> None:
 def _tz(book: Book, sheet: Any) -> None:
     """Write V, its part on tip and lid, and t by depth, over w; vertical paths only."""
     t = [_sides(book.paths[name], "t") for name in book.down]
-    ends = [book.of(book.down, f"V_{part}", form=f"V {part} [kN]") for part in ("tip", "lid")]
+    ends = [book.of(book.down, f"V_{part}", head=f"V {part} [kN]") for part in ("tip", "lid")]
     headings = {"t net [kN/m]": "tz", "t outside [kN/m]": "", "t inside [kN/m]": ""}
     by = book.by_depth(headings, [[each[side] for each in t] for side in (2, 0, 1)])
     book.fill(sheet, book.down, [book.of(book.down, "w", "w_tz"), book.of(book.down, "V", "V_tz"), *ends, *by])
@@ -375,9 +377,9 @@ def _end(book: Book, sheet: Any, part: str) -> None:
 
 
 def _load(book: Book, sheet: Any, source: Source) -> None:
-    """Write the full model, then the macro-model on each spring set at the same states; unreached cells stay empty."""
+    """Write the recorded paths, then the macro-model on each spring set there; unreached cells stay empty."""
     names = list(book.paths)
-    columns = [book.of(names, variable, variable, "full model {}") for variable in QUANTITIES]
+    columns = [book.of(names, each, each, f"{book.recorded} {head}") for each, (head, _) in QUANTITIES.items()]
     for spring_set in spring_sets(source.springs):
         for variable in ("H", "rotation", "M"):
             heading, factor = QUANTITIES[variable]
@@ -429,8 +431,8 @@ _NOTES = (
     "Axes: x along the load, y to its left seen from above, z up; rotations right-hand. The caisson at rest is "
     "axisymmetric: what holds for (x, ry) holds for (y, -rx).",
     "About another point: `pysprings predict ... --stiffness --reference-depth LENGTH`.",
-    "Springs of one path at rest: slope of the first recorded step, below the full model's initial one; w is the full "
-    "model's elastic stiffness.",
+    "Springs of one path at rest: slope of the first recorded step, below the initial one above; w has the elastic "
+    "stiffness above.",
 )
 
 
@@ -493,7 +495,7 @@ def add_charts(book: Book, sheet: Any, sets: Sequence[str]) -> None:
     Below are a row of charts for each vertical path: V, and t by depth, over w.
     """
     depths = [f"{z:.2f} m" for z in next(iter(book.paths.values()))["depth"].values]
-    load: Series = [("full model", 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(sets)]
+    load: Series = [(book.recorded, 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(sets)]
     py = [(z, 2 + 4 * k, 3 + 4 * k) for k, z in enumerate(depths)]
     mtheta = [(z, 2, 4 + 4 * k) for k, z in enumerate(depths)]
     V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]

@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import openpyxl
 import pytest
 
 import pysprings
@@ -53,6 +54,11 @@ def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
     for text in (head, "\n".join(done.remarks)):
         assert [each for each in words if each in text] == words
     assert "against the full model" not in head and f"against the rays of the atlas {name}" in head
+    export(made, "xlsx", tmp_path / "springs.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "springs.xlsx")
+    cells = [text for sheet in book for row in sheet.values for text in row if "full model" in str(text)]
+    assert cells and all(f"({len(known.inputs)} full models)" in each or "no full model" in each for each in cells)
+    assert book["load-displacement"]["C3"].value == f"rays of the atlas {name} u [mm]"
     assert stiffness(made).attrs["long_name"] == f"initial stiffness of the atlas {name} at the lid centre"
     assert f"full model: the rays of the atlas {name}, none of this caisson" in to_text(compare(made, "fan"))
 
