@@ -13,7 +13,7 @@ import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.core.text import percent
+from pysprings.core.text import number, percent
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
@@ -25,6 +25,7 @@ from pysprings.springs.path_ends import STOPPED, before_cavitation, end_of
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
+_U = "u"  # at equal load
 
 
 @dataclass(frozen=True)
@@ -232,8 +233,9 @@ def _springs(run: Run) -> str:
         if run.comparison is not None:
             return "not checked: there is no held-back path in one plane"
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
-    errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items())
-    return f"against the full model on the paths held back, largest error at equal displacement: {errors}"
+    errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items() if name != _U)
+    moved = f"; of u at equal load: {number(worst[_U], 2)} %" if _U in worst else ""
+    return f"against the full model on the paths held back, largest error at equal displacement: {errors}{moved}"
 
 
 def _warnings(run: Run) -> str:
@@ -252,7 +254,7 @@ def _use(run: Run) -> str:
     worst, limits = _held_back(run) or {}, []
     if not worst:
         limits.append("they were not checked on a path of their own")
-    elif max(worst.values()) > _GOOD:
+    elif max(value for name, value in worst.items() if name != _U) > _GOOD:
         limits.append(f"their error is above {_GOOD:g} % on a path held back")
     limits += _mesh_limits(run.record.error_estimate or {})
     return "predictions within the range" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
@@ -286,7 +288,10 @@ def _is_fan(run: Run) -> bool:
 
 
 def _held_back(run: Run) -> dict[str, float] | None:
-    """Return the largest errors of the fan (else of all families) in H and rotation on proportional paths held back."""
+    """Return the largest errors of the fan (else of all families) on proportional paths held back.
+
+    Those of H and rotation are at equal displacement; that of u, at equal load, grows without end near collapse.
+    """
     frame = run.comparison
     if frame is None or frame.empty:
         return None
@@ -294,6 +299,6 @@ def _held_back(run: Run) -> dict[str, float] | None:
     own = own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]
     if own.empty:
         return None
-    columns = {"H": "H_error_max_pct", "rotation": "rotation_error_max_pct"}
+    columns = {"H": "H_error_max_pct", "rotation": "rotation_error_max_pct", _U: "u_error_max_pct"}
     worst = {name: float(own[column].abs().max()) for name, column in columns.items()}
     return {name: value for name, value in worst.items() if math.isfinite(value)}

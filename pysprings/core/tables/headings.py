@@ -98,9 +98,9 @@ class Headings:
         self._exact = {column.name: column for column in si}
         stems = {column.stem: column for column in columns}
         low = [stem.lower() for stem in stems]
-        stems |= {stem.lower(): column for stem, column in list(stems.items()) if low.count(stem.lower()) == 1}
+        lower = {stem.lower(): column for stem, column in stems.items() if low.count(stem.lower()) == 1}
         others = {name: column for column in columns for name in column.names}
-        self._stems = {**others, **stems}
+        self._stems = {**lower, **others, **stems}  # t is a name of the time, and T the torsion
 
     def column_of(self, text: str) -> tuple[Column, str, str | None] | None:
         """Return column, name and unit of a heading (None: it has no unit); None for an unknown one."""

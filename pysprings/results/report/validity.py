@@ -314,7 +314,8 @@ def end_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
         good = np.flatnonzero(path["converged"].values.astype(bool))
         last = int(good[-1]) if good.size else 0
         values = [_clean(path, key, last, factor) for key, factor in _END]
-        status = str(path.attrs.get("status", ""))
+        cavitates = before_cavitation(path).sizes["step"] < path.sizes["step"]
+        status = str(path.attrs.get("status", "")) + ", beyond cavitation" * cavitates
         rows.append((name, str(path.attrs.get("kind", "")), status, *values))
     heads = ("path", "kind", "status", "u [mm]", "w [mm]", "rotation [mrad]", "H [kN]", "V [kN]", "M [kN m]",
              "H tip [kN]", "H lid [kN]")  # fmt: skip

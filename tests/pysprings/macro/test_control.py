@@ -309,7 +309,8 @@ def test_sequence_files(tmp_path, lines, control, targets, arm, V):
 
 
 def test_a_sequence_has_times(tmp_path):
-    assert read_sequence(write(tmp_path / "s.csv", "H_N,time [min]", "1,0.5", "2,2")).time.tolist() == [30.0, 120.0]
+    for head in ("time [min]", "t [min]"):  # T is the torsion
+        assert read_sequence(write(tmp_path / "s.csv", f"H_N,{head}", "1,0.5", "2,2")).time.tolist() == [30.0, 120.0]
 
 
 @pytest.mark.parametrize(

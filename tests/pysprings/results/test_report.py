@@ -300,6 +300,8 @@ def test_a_report_ends_where_the_water_would_cavitate(result: xr.DataTree, sprin
     assert f"u from 0 to {1e3 * float(last['u']):.3g} mm" in pull and "the water would cavitate beyond" in pull
     (table,) = spring_tables(trees[1])
     assert table.title.startswith("Path pull") and table.rows[-2][5] == f"H {number(float(last['H_tip']) * 1e-3)} kN"
+    ends = validity.end_table(ReportData(trees[0]).paths)
+    assert ends is not None and [row[2] for row in ends.rows] == ["complete, beyond cavitation", "complete"]
     tilts = validity.tilt_table(ReportData(trees[0]).paths)
     assert tilts is not None and tilts.rows[0][2] == f"{np.degrees(float(last['rotation'])):.3g}"
 

@@ -45,6 +45,20 @@ def test_the_tilt_is_that_of_predict_and_the_tolerance_decides(folder: Path) -> 
     assert f"beyond the tolerated {0.5 * degrees:.3g} deg" in line
 
 
+def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(folder: Path) -> None:
+    """Near collapse it is far larger; it does not decide on the use of the springs."""
+    record, springs = RunRecord.read(folder), pysprings.open_springs(folder / "springs.nc")
+    assert record is not None
+    own = pysprings.compare(springs)
+    found = {"H_error_max_pct": 1.0, "rotation_error_max_pct": -2.0, "u_error_max_pct": -69.25}
+    held = own[own["springs"] == "full"].assign(role="held-back", springs="fan", **found)
+    lines = summary(read_tree(folder / "full_model.nc"), record, held, springs)
+    assert lines["springs"].endswith("displacement: H 1 %, rotation 2 %; of u at equal load: 69 %")
+    assert "their error is above" not in lines["use"]
+    lines = summary(read_tree(folder / "full_model.nc"), record, held.assign(u_error_max_pct=np.nan), springs)
+    assert lines["springs"].endswith("rotation 2 %")
+
+
 def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
     line = tilt(folder, lateral_force=1e8)
     assert line.startswith("not known at the design load, H 100 MN at 0 m: beyond the springs, which carry H ")
