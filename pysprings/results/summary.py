@@ -210,7 +210,10 @@ def _range(run: Run) -> str:
     turn = math.degrees(max(float(np.abs(each["rotation"]).max()) for each in calibrated))
     fan = _is_fan(run)
     kind = "load heights of its rays" if fan else f"the load height of path {_lateral(run)[0][0]} only"
-    text = f"u up to {u:.3g} mm, rotation up to {turn:.3g} deg, {kind}; monotonic loading; in proportion"
+    loading = "monotonic loading" + ", but for springs with memory" * any(
+        path.remembers for path in paths_of(run.result).values()
+    )
+    text = f"u up to {u:.3g} mm, rotation up to {turn:.3g} deg, {kind}; {loading}; in proportion"
     sets = () if run.springs is None else Springs.of(run.springs).rate_sets
     rates = ", ".join(f"{1e3 * each.rate:.3g}" for each in sets)
     return f"{text}; at {rates} mm/s (of rho)" if rates else text

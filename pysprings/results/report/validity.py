@@ -130,11 +130,11 @@ def validity(result: xr.DataTree) -> list[str]:
         *sentences,
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
         "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
-        f"Monotonic loading; small displacements; the caisson is {behaviour} and wished in place, without "
-        "installation effects.",
+        "Monotonic loading, but for springs with memory; small displacements; the caisson is "
+        f"{behaviour} and wished in place, without installation effects.",
         "The soil domain is finite and stiffens the answer; the summary and `pysprings check` bound its effect on the "
         "elastic stiffness.",
-        "Beyond the displacements above `predict` refuses an answer unless `--extrapolate` asks for one.",
+        "Beyond the displacements of the calibration paths `predict` refuses an answer unless `--extrapolate` asks for one.",
     ]
 
 

@@ -88,6 +88,9 @@ def test_what_is_carried_beyond_cavitation_is_no_load_of_the_summary(folder: Pat
     lines, last = summary(result, record), path.isel(step=2)
     assert lines["loads"].startswith(f"largest reached, no limit load: H {1e-6 * float(last['H']):.4g} MN")
     assert lines["range"].startswith(f"u up to {1e3 * float(last['u']):.3g} mm")
+    assert "; monotonic loading; " in lines["range"]
+    result["paths/back"] = path.assign_attrs(role="memory")
+    assert "; monotonic loading, but for springs with memory; " in summary(result, record)["range"]
 
 
 def test_a_moment_that_is_rounding_is_no_load(folder: Path) -> None:
