@@ -134,7 +134,8 @@ def validity(result: xr.DataTree) -> list[str]:
         f"{behaviour} and wished in place, without installation effects.",
         "The soil domain is finite and stiffens the answer; the summary and `pysprings check` bound its effect on the "
         "elastic stiffness.",
-        "Beyond the displacements of the calibration paths `predict` refuses an answer unless `--extrapolate` asks for one.",
+        "Beyond the displacements of the calibration paths `predict` refuses an answer unless `--extrapolate` asks for "
+        "one.",
     ]
 
 
