@@ -23,15 +23,11 @@ from pysprings.studies.atlas.samples import FORCES, MOMENTS, ROWS, share
 
 _NOTHING = 1e-9  # of rho: w that is rounding
 _CLOSE = 0.05  # share by which knots differ at the least
-# of full models of clay on the mesh 'coarse': share by which their loads may be high, over X; what is left of it once
-# they are extrapolated (docs/evidence, "Sections"); sand takes it, too: 97 % of its held-back loads are inside
-MESH_ERROR = ((0.02, 0.3, 20.0), (0.045, 0.105, 0.29))
+# what the extrapolation of full models of clay on the mesh `coarse` leaves of their loads (docs/evidence, "Sections");
+# sand takes it, too: 97 % of its held-back loads are inside
 MESH_LEFT = 0.033
 STIFFNESS_LEFT = 0.006  # of the initial stiffness, which is that of one mesh: `coarse` beside `fine`, both grounds
-OF_MESH = (
-    "made on mesh 'coarse': in clay loads are up to 25 % high at collapse, and the rotation under a load is up to a "
-    "third low near it; the deviations include it: confirm by a run on a finer mesh"
-)
+OF_MESH = "made on one mesh, '{}', whose error the deviations do not have: confirm by a run on a finer mesh"
 _BAND = 1.96
 _N = sum(name.startswith("p") for name in FORCES)
 
@@ -50,7 +46,7 @@ def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
     modes = np.concatenate([modes, _left(rest, L)])
     values, modes, angles = between(values, modes, _action(L), atlas.angles, rho)
     part = np.append(0.0, share(knots))
-    own_modes = [atlas.fan[0] * part * values, np.append(0.0, _mesh_error(atlas, knots)) * values]
+    own_modes = [atlas.fan[0] * part * values, np.append(0.0, np.full(knots.shape, MESH_LEFT / _BAND)) * values]
     modes = np.concatenate([modes, own_modes])
     names = [_name(float(angle)) for angle in angles]
     coords = _coordinates(L, rho.size)
@@ -64,21 +60,9 @@ def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
 
 
 def mesh_words(atlas: Atlas) -> str:
-    """Return words on the mesh of the full models of an atlas; empty but for clay on one mesh, `coarse`."""
-    clay = atlas.about.get("drainage") == "total-stress"
-    return OF_MESH if clay and atlas.base.mesh.preset == "coarse" and not _is_extrapolated(atlas) else ""
-
-
-def _is_extrapolated(atlas: Atlas) -> bool:
-    return atlas.about.get("mesh", "").endswith(variables.EXTRAPOLATED)
-
-
-def _mesh_error(atlas: Atlas, X: Array) -> Array:
-    """Return one standard deviation of the loads at motions X (n,) that their mesh makes, over the loads."""
-    if _is_extrapolated(atlas):
-        return np.full(X.shape, MESH_LEFT / _BAND)
-    at, shares = MESH_ERROR
-    return np.interp(np.log(X), np.log(at), shares) / _BAND * bool(mesh_words(atlas))
+    """Return words on the mesh of the full models of an atlas; empty where they are extrapolated from two."""
+    extrapolated = atlas.about.get("mesh", "").endswith(variables.EXTRAPOLATED)
+    return "" if extrapolated else OF_MESH.format(atlas.base.mesh.preset)
 
 
 def _between(X: Array, values: Array, knots: Array) -> Array:
@@ -171,8 +155,7 @@ def _root(atlas: Atlas, scene: Scene, estimate: Estimate, V: float) -> xr.Datase
     )
     root = variables.attach(root, "springs_root")
     caisson = scene.caisson
-    of_mesh = STIFFNESS_LEFT if _is_extrapolated(atlas) else MESH_ERROR[1][0] * bool(mesh_words(atlas))
-    errors = np.hypot(estimate.stiffness_error, of_mesh / _BAND)
+    errors = np.hypot(estimate.stiffness_error, STIFFNESS_LEFT / _BAND)
     root.attrs = {
         "Conventions": "CF-1.11", "title": scene.title, "source": atlas.source,
         "pysprings_version": __version__, "scene_sha256": scene.sha256, "scene_toml": scene.to_toml(),
