@@ -226,7 +226,7 @@ class _Part:
 def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
     """Return answers of several models, by case, as one dataset in an order; attributes are those that all have.
 
-    A remark that not all have says so.
+    A remark that not all have is named as one of some V.
     """
     first = parts[0]
     data = {
