@@ -120,7 +120,7 @@ def bends(attrs: Mapping[object, object]) -> bool:
     return PATH_KINDS[str(attrs["kind"])].bends or "arm_from_m" in attrs or PAIRS in attrs
 
 
-def along_load(attrs: Mapping[Any, Any]) -> tuple[float, float] | None:
+def direction_of_load(attrs: Mapping[Any, Any]) -> tuple[float, float] | None:
     """Return H and M [m] over the size of the load on a path that keeps the direction of its load; None of others."""
     if not PATH_KINDS[str(attrs["kind"])].conjugate:
         return None

@@ -4,6 +4,7 @@
 A path on its way (`PathRun`): its state, the stages that drive it, the rows it gathers, its checkpoints.
 """
 
+import math
 import time
 from contextlib import suppress
 from copy import deepcopy
@@ -38,7 +39,7 @@ from pysprings.full_model.run_record import COMPLETE, Ending, LimitLoad, Status
 from pysprings.full_model.work import Work, make_collector, prepare
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import path_seconds
-from pysprings.model.stages import dead_load_stage, large_motion, load_along, path_stages, viscous_displacement
+from pysprings.model.stages import dead_load_stage, large_motion, path_stages, viscous_displacement
 from pysprings.model.water import undrained_time
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import Path
@@ -440,7 +441,7 @@ def _keep(work: Work, path: Path, run: Gathered) -> None:
         if not path.in_space:
             dataset.attrs |= end_attrs(run.ending.reason, run.ending.why, dataset)
         if path.load_angle is not None and not path.in_space:
-            dataset.attrs["load_lever_m"] = load_along(work.scene, path)[2]
+            dataset.attrs["load_lever_m"] = work.scene.caisson.outer_diameter * math.sin(path.load_angle)
         optional = {
             "direction_rad": path.direction, "rate_m_per_s": path.rate, "arm_from_m": path.arm_from,
             "viscous_displacement_m": viscous_displacement(work.scene, path) if run.given_up else None,

@@ -226,17 +226,12 @@ def imposed_end(path: Path) -> float:
     return _need(getattr(path, PATH_KINDS[path.kind].imposed))
 
 
-def load_along(scene: Scene, path: Path) -> list[float]:
-    """Return (H, V, M) [1, 1, m] over the size of the load of a path that keeps the direction of its load."""
-    angle = _need(path.load_angle)
-    return [math.cos(angle), 0.0, scene.caisson.outer_diameter * math.sin(angle)]
-
-
 def _imposed(scene: Scene, path: Path) -> tuple[list, list]:
     """Return the rows of the control and the force patterns that impose them, in (u, w, rotation)."""
     kind = PATH_KINDS[path.kind]
     if kind.conjugate:
-        along = load_along(scene, path)
+        angle = _need(path.load_angle)
+        along = [math.cos(angle), 0.0, scene.caisson.outer_diameter * math.sin(angle)]
         return [along], [list(along)]
     rows = [np.eye(3)[DOFS.index(dof)].tolist() for dof in kind.holds]
     return rows, [[1.0, 0.0, path.arm]] if kind.free_head and rows else [list(row) for row in rows]

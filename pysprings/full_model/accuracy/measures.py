@@ -28,7 +28,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.optimize import brentq
 
 from pysprings.core.arrays import Array
-from pysprings.core.path_kinds import PATH_KINDS, along_load, kind_of
+from pysprings.core.path_kinds import PATH_KINDS, direction_of_load, kind_of
 from pysprings.macro.measures import eta
 from pysprings.springs.path import paths_of
 
@@ -41,7 +41,7 @@ _PRESSURE_DEPTHS = 19
 def driver_of(path: xr.Dataset, length: float) -> Array:
     """Return the size of what drives a path, (step,): m, or rad on a rotation path; L = ``length`` in m."""
     kind = kind_of(path.attrs)
-    if along := along_load(path.attrs):
+    if along := direction_of_load(path.attrs):
         conjugate = along[0] * path["u"].values + along[1] * path["rotation"].values
         return np.abs(conjugate - conjugate[0])
     if kind.bends:
@@ -58,7 +58,7 @@ def load_of(path: xr.Dataset) -> Array:
     may cross zero on such a path.
     """
     kind = kind_of(path.attrs)
-    if along := along_load(path.attrs):
+    if along := direction_of_load(path.attrs):
         sizes: Array = (along[0] * path["H"].values + along[1] * path["M"].values) / (along[0] ** 2 + along[1] ** 2)
         return sizes
     values: Array = path[kind.load].values
@@ -78,7 +78,7 @@ def other_of(path: xr.Dataset) -> Array | None:
 
     None of vertical paths, and of a load that keeps its direction.
     """
-    name = None if along_load(path.attrs) else kind_of(path.attrs).companion
+    name = None if direction_of_load(path.attrs) else kind_of(path.attrs).companion
     return None if name is None else path[name].values
 
 
@@ -131,7 +131,7 @@ def initial_stiffness(stiffness: Array, path: xr.Dataset) -> float:
     K = stiffness[np.ix_([0, 2], [0, 2])]
     if heave_free:  # w follows so that V stays
         K = K - np.outer(stiffness[[0, 2], 1], stiffness[1, [0, 2]]) / stiffness[1, 1]
-    if along := along_load(path.attrs):
+    if along := direction_of_load(path.attrs):
         return float(1.0 / (along @ np.linalg.solve(K, along)))
     if kind.free_head:
         arm = float(path.attrs.get("arm_from_m", path.attrs["arm_m"]))

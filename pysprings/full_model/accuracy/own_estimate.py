@@ -28,7 +28,7 @@ from fe_engine.clock import Clock
 from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
-from pysprings.core.path_kinds import PATH_KINDS, along_load
+from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import two_mesh
@@ -154,7 +154,7 @@ def _way(path: xr.Dataset, length: float) -> Array:
 
     Raises NotAlike: states share a place: a load changes while nothing moves.
     """
-    if along_load(path.attrs) is not None:
+    if direction_of_load(path.attrs) is not None:
         way = driver_of(path, length)
     else:
         sizes = {"u": 1.0, "w": 1.0, "rotation": length}

@@ -96,6 +96,22 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
 
 
+@pytest.mark.parametrize("angle", [-1.0, 0.5 * np.pi])
+def test_a_probe_is_extrapolated_at_equal_conjugate_displacement(angle: float) -> None:
+    """Its motions and loads change, the displacement conjugate to its load and the direction of this one do not."""
+    probe = {"name": "probe", "kind": "probe", "lateral_displacement": 2e-3, "load_angle": angle, "role": "held-back"}
+    done = run_into(None, scene(paths=(probe,)), RunOptions(), Sink())
+    own, better = (paths_of(done.tree, of_mesh=each)["probe"].dataset for each in (True, False))
+    diameter = float(done.tree.attrs["outer_diameter_m"])
+    conjugate = [np.cos(angle) * each["u"] + diameter * np.sin(angle) * each["rotation"] for each in (own, better)]
+    np.testing.assert_allclose(*conjugate, atol=1e-15)
+    assert float(np.abs(better["u"] - own["u"]).max()) > 1e-8
+    np.testing.assert_allclose(better["M"] * np.cos(angle), diameter * np.sin(angle) * better["H"], atol=100.0)
+    assert float(own["M"][-1]) / float(better["M"][-1]) > 1.0  # the finer of two meshes is still too stiff
+    assert done.record.error_estimate is not None
+    assert 0.1 < done.record.error_estimate["by_path"]["probe"]["load_pct"] < 20.0
+
+
 def test_all_extrapolated_paths_begin_at_one_settlement() -> None:
     """That of the dead load, which both meshes have before a vertical path moves on."""
     caisson = tiny.scene().caisson.model_dump() | {"vertical_load": 1.2e6}
