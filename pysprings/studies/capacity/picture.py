@@ -197,6 +197,7 @@ DIRECTIONS = "direction: angle in the plane of H and M/D; M is about the lid cen
 WITH_TORSION = (
     " torsion: angle of the load out of that plane towards T/D; at 90 it is T alone. Springs have no such capacity."
 )
+OF_MESH = " mesh error: estimate of what is left of it, of loads from two meshes; with torsion of one mesh."
 
 
 def criteria(outcome: Capacity) -> str:
@@ -213,7 +214,7 @@ def table_of(outcome: Capacity) -> Table:
     known = bool(outcome.table[MESH_ERROR].notna().any())
     every = (*FULL, *[ERROR] * known, *MACRO * both)
     columns = tuple(each for each in every if turned or each not in TORSION)
-    return Table.of(columns, rows, note=DIRECTIONS + WITH_TORSION * turned, wide=True)
+    return Table.of(columns, rows, note=DIRECTIONS + WITH_TORSION * turned + OF_MESH * known, wide=True)
 
 
 def table_of_cases(cases: pd.DataFrame) -> Table:
