@@ -260,7 +260,8 @@ def _use(run: Run) -> str:
     elif max(value for name, value in worst.items() if name != _U) > _GOOD:
         limits.append(f"their error is above {_GOOD:g} % on a path held back")
     limits += _mesh_limits(run.record.error_estimate or {})
-    return "predictions within the range" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
+    moved = f", u under a load up to {number(worst[_U], 2)} % off" if worst.get(_U, 0.0) > _GOOD else ""
+    return f"predictions within the range{moved}" + (f"; preliminary: {'; '.join(limits)}" if limits else "")
 
 
 def _mesh_limits(estimate: Mapping[str, Any]) -> list[str]:

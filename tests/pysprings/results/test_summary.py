@@ -46,7 +46,7 @@ def test_the_tilt_is_that_of_predict_and_the_tolerance_decides(folder: Path) -> 
 
 
 def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(folder: Path) -> None:
-    """Near collapse it is far larger; it does not decide on the use of the springs."""
+    """Near collapse it is far larger; it stands beside the use of the springs, and does not make them preliminary."""
     record, springs = RunRecord.read(folder), pysprings.open_springs(folder / "springs.nc")
     assert record is not None
     own = pysprings.compare(springs)
@@ -54,9 +54,10 @@ def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(
     held = own[own["springs"] == "full"].assign(role="held-back", springs="fan", **found)
     lines = summary(read_tree(folder / "full_model.nc"), record, held, springs)
     assert lines["springs"].endswith("displacement: H 1 %, rotation 2 %; of u at equal load: 69 %")
+    assert lines["use"].startswith("predictions within the range, u under a load up to 69 % off")
     assert "their error is above" not in lines["use"]
     lines = summary(read_tree(folder / "full_model.nc"), record, held.assign(u_error_max_pct=np.nan), springs)
-    assert lines["springs"].endswith("rotation 2 %")
+    assert lines["springs"].endswith("rotation 2 %") and "off" not in lines["use"]
 
 
 def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
