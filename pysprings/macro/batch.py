@@ -234,8 +234,8 @@ def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
         for name, (dims, _, attrs) in first.values.items()
     }
     attrs = {k: v for k, v in first.attrs.items() if k not in _OF_A_WAY and all(p.attrs.get(k) == v for p in parts)}
-    said = [set(part.attrs["remarks"]) for part in parts]
-    remarks = {text if all(text in own for own in said) else f"at some V: {text}" for text in set().union(*said)}
+    own = [set(part.attrs["remarks"]) for part in parts]
+    remarks = {text if all(text in each for each in own) else f"at some V: {text}" for text in set().union(*own)}
     return xr.Dataset(data, first.coords, attrs | {"remarks": sorted(remarks)})
 
 

@@ -46,9 +46,9 @@ def is_rate(a: float, b: float) -> bool:
 
 
 def off_rate(own: float, ways: Array, times: Array) -> Marks:
-    """Return which motions (n,) [m] in times (n,) [s] > 0 are off a rate [m/s] by half a decade; a rest has none."""
-    over = ways / times / own
-    found: Marks = (ways > 0.0) & ~((over > 1.0 / TOGETHER) & (over < TOGETHER))
+    """Return which motions (n,) [m] in times (n,) [s] are off a rate [m/s] by half a decade; a rest has none."""
+    expected = own * times
+    found: Marks = (ways > 0.0) & ((ways >= TOGETHER * expected) | (TOGETHER * ways <= expected))
     return found
 
 
