@@ -124,7 +124,7 @@ def _used(path: SpringPath, fan: MacroModel) -> Array:
     table = fan.table
     assert isinstance(table, FanTable)
     states = np.stack([path.u, path.rotation], axis=1)[1:]
-    return table.support(states, table.rows(states)[1])[0]
+    return table.support(states)[0]
 
 
 def _within_reach(path: SpringPath, fan: MacroModel) -> SpringPath:

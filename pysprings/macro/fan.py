@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
-from pysprings.macro.solver import fan_rows
+from pysprings.macro.solver import fan_places, fan_rows
 from pysprings.springs.path import STRAIGHT, SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import action
@@ -111,18 +111,22 @@ class FanTable:
         u, v = states[:, 0], states[:, 1] * self.length
         return np.hypot(u, v), np.arctan2(v, u)
 
-    def rows(self, states: Array) -> tuple[Array, Array]:
-        """Return all reactions (rows, n) at states (n, 2) = (u, rotation), and their places: see `fan_rows`."""
-        out: tuple[Array, Array] = fan_rows(
-            self.angle, self.rho, self.r, self.slope, self.count, self.even, *self.polar(states)
-        )
+    def rows(self, states: Array) -> Array:
+        """Return all reactions (rows, n) at states (n, 2) = (u, rotation)."""
+        out: Array = fan_rows(self.angle, self.rho, self.r, self.slope, self.count, self.even, *self.polar(states))
         return out
 
-    def support(self, states: Array, places: Array) -> tuple[Array, Array, Array]:
+    def places(self, states: Array) -> Array:
+        """Return the places (n, 3) of states (n, 2) between the rays: see `fan_places`."""
+        out: Array = fan_places(self.angle, self.polar(states)[1])
+        return out
+
+    def support(self, states: Array) -> tuple[Array, Array, Array]:
         """Return how far states are supported, each (n,): rho over the range, sector [rad], angle to a ray [rad].
 
         The range is the shorter one of the rays on both sides; on a ray, its own, and the sector is 0.
         """
+        places = self.places(states)
         low, high, place = places[:, 0].astype(int), places[:, 1].astype(int), places[:, 2]
         # a single ray and its mirror image cannot be: there are two rays at least, so no sector is 0 modulo pi
         sector = (self.angle[high] - self.angle[low]) % np.pi

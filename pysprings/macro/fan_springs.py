@@ -47,12 +47,12 @@ class FanSprings(Response):
 
     def reactions(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Array:
         """Return all reactions (rows, n) at states (n, 2), or along them from rest at times (n,) [s] under V [N]."""
-        return self.table.rows(states)[0]
+        return self.table.rows(states)
 
     def support(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Support:
         """Return what goes with states (n, 2), and the angle to the rays: see `Response`."""
         table, rows = self.table, self.reactions(states, time, V, between)
-        used, sector, nearest = table.support(states, table.rows(states)[1])
+        used, sector, nearest = table.support(states)
         off = (sector > WIDEST + RANGE_SLACK) & (states != 0.0).any(axis=1)
         usable = np.ones(self.origin.depth.size, dtype=np.int8)
         (w,), (V_,), p = (rows[table.name == name] for name in ("w", "V", "p"))
@@ -61,14 +61,14 @@ class FanSprings(Response):
 
     def range_used(self, states: Array) -> Array:
         """Return rho over that of the rays beside, by state (n, 2)."""
-        return self.table.support(states, self.table.rows(states)[1])[0]
+        return self.table.support(states)[0]
 
     def paths_at(self, states: Array) -> list[list[str]]:
         """Return the names of the rays beside each state (n, 2)."""
         path = self.table.path
         return [
             [name for name, weight in ((path[int(low)], 1.0 - share), (path[int(high)], share)) if weight > ROUNDING]
-            for low, high, share in self.table.rows(states)[1][:, :3].tolist()
+            for low, high, share in self.table.places(states).tolist()
         ]
 
     def range_words(self) -> tuple[str, str]:
@@ -78,8 +78,8 @@ class FanSprings(Response):
     def beyond(self, failed: list[PathEnd], states: Array, _over: Marks) -> Iterator[tuple[PathEnd, Marks]]:
         """Yield the ends of rays that failed, and the states beside each beyond its range: see `Response`."""
         table = self.table
-        rho, places = table.polar(states)[0], table.rows(states)[1]
-        sector = table.support(states, places)[1]
+        rho, places = table.polar(states)[0], table.places(states)
+        sector = table.support(states)[1]
         low, high, place = places[:, 0].astype(int), places[:, 1].astype(int), places[:, 2]
         for end in failed:
             ray = table.path.index(end.path)
@@ -131,7 +131,7 @@ class Spread:
     def loads(self, table: FanTable, states: Array) -> Array:
         """Return the loads (n, 2, m) that the modes add at states (n, 2) = (u, rotation)."""
         odd = np.zeros(len(self.r), dtype=bool)
-        rows, _ = fan_rows(table.angle, table.rho, self.r, self.slope, table.count, odd, *table.polar(states))
+        rows: Array = fan_rows(table.angle, table.rho, self.r, self.slope, table.count, odd, *table.polar(states))
         return np.ascontiguousarray(rows.T).reshape(len(states), 2, -1)
 
     def deviations(self, table: FanTable, control: Control, states: Array, tangents: Array, arm: float) -> Array:

@@ -195,17 +195,16 @@ def fan_loads(springs, u, rotation, F, K):
 
 @jitted
 def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
-    """Return all reactions (rows, states) of a fan, and the place of each state in its sector (states, 3).
+    """Return all reactions (rows, states) of a fan.
 
     knots (rays, k), values and slopes (rows, rays, k); rho [m] and phi [rad] by state. Rows that keep their sign in
-    the mirror image of a motion (`even`) are interpolated linearly in angle. The place: ray before, ray behind, share.
+    the mirror image of a motion (`even`) are interpolated linearly in angle.
     """
-    out, places = np.zeros((even.size, rho.size)), np.empty((rho.size, 3))
+    out = np.zeros((even.size, rho.size))
     rays, signs = np.empty(STENCIL, np.int64), np.empty(STENCIL)
     weights, turns = np.empty(STENCIL), np.empty(STENCIL)
     for i in range(rho.size):
         t = fan_stencil(angles, phi[i], rays, signs, weights, turns)
-        places[i, 0], places[i, 1], places[i, 2] = rays[1], rays[2], t
         for k in range(STENCIL):
             mean = (0.0, 1.0 - t, t, 0.0)[k]
             ray = rays[k]
@@ -213,7 +212,19 @@ def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
                 factor = mean if even[j] else signs[k] * weights[k]
                 if factor != 0.0:
                     out[j, i] += factor * spring_row(knots[ray], values[j, ray], slopes[j, ray], count[ray], rho[i])[0]
-    return out, places
+    return out
+
+
+@jitted
+def fan_places(angles, phi):
+    """Return the place of each angle phi [rad] in its sector (states, 3): ray before, ray behind, share."""
+    places = np.empty((phi.size, 3))
+    rays, signs = np.empty(STENCIL, np.int64), np.empty(STENCIL)
+    weights, turns = np.empty(STENCIL), np.empty(STENCIL)
+    for i in range(phi.size):
+        places[i, 2] = fan_stencil(angles, phi[i], rays, signs, weights, turns)
+        places[i, 0], places[i, 1] = rays[1], rays[2]
+    return places
 
 
 @jitted

@@ -78,7 +78,7 @@ def samples(springs: Springs, table: FanTable) -> list[Sample]:
 def reach_of(table: FanTable, angles: Array) -> Array:
     """Return how far the fan supports directions (n,) [rad], in m: the shorter one of the rays beside each."""
     states = np.stack([np.cos(angles), np.sin(angles) / table.length], axis=1)
-    used, _, _ = table.support(states, table.rows(states)[1])
+    used, _, _ = table.support(states)
     return 1.0 / used
 
 
@@ -93,7 +93,7 @@ def _beyond(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
     angles = _angles(table)
     for angle, reach in zip(angles, reach_of(table, angles), strict=True):
         motions = reach * np.array([1.0, *BEYOND])[:, None] * [np.cos(angle), np.sin(angle)]
-        yield f"beyond {np.degrees(angle):.0f} degrees", motions, table.rows(motions / [1.0, table.length])[0]
+        yield f"beyond {np.degrees(angle):.0f} degrees", motions, table.rows(motions / [1.0, table.length])
 
 
 def _rays(table: FanTable, rate: float | None) -> Iterator[Sample]:
@@ -101,7 +101,7 @@ def _rays(table: FanTable, rate: float | None) -> Iterator[Sample]:
     for angle, reach in zip(angles, reach_of(table, angles), strict=True):
         rho = np.geomspace(FIRST * reach, reach, POINTS)
         motions = rho[:, None] * [np.cos(angle), np.sin(angle)]
-        rows, _ = table.rows(motions / [1.0, table.length])
+        rows = table.rows(motions / [1.0, table.length])
         time = None if rate is None else rho / rate
         yield Sample(f"{np.degrees(angle):.0f} degrees", motions, rows, _weights(rows, table, 0.0), False, time=time)
 
@@ -114,10 +114,9 @@ def _pulls(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
         drive, aims = equations("displacement", targets, arm * table.length, table.load_scale)
         states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
         solve_cases(arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
-        rows, places = table.rows(states)
-        inside = (reached > 0) & (table.support(states, places)[0] <= 1.0 + RANGE_SLACK)
-        if inside.any():
-            yield f"pull at {arm:g} L", states[inside] * [1.0, table.length], rows[:, inside]
+        states = states[(reached > 0) & (table.support(states)[0] <= 1.0 + RANGE_SLACK)]
+        if states.size:
+            yield f"pull at {arm:g} L", states * [1.0, table.length], table.rows(states)
 
 
 def _turning(path: SpringPath, table: FanTable, weight: float, rate: float | None) -> Sample:

@@ -235,5 +235,5 @@ class MemoryStepper:
 def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, bool]:
     """Return range used by a state (u [m], rotation [rad]), and whether it is between rays too far apart."""
     states = np.array([state], dtype=float)
-    used, sector, _ = table.support(states, table.rows(states)[1])
+    used, sector, _ = table.support(states)
     return float(used[0]), bool(sector[0] > WIDEST + RANGE_SLACK and states.any())

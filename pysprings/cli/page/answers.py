@@ -186,7 +186,7 @@ def profiles(answer: Answer) -> dict[str, tuple[Array, Array]]:
     found = {"p": (last["depth"].values, last["p"].values)}
     table = answer.model.table
     if isinstance(table, FanTable):
-        rows = table.rows(np.array([[float(last["u"]), float(last["rotation"])]]))[0][:, 0]
+        rows = table.rows(np.array([[float(last["u"]), float(last["rotation"])]]))[:, 0]
         found |= {name: (table.depth[table.name == name], rows[table.name == name]) for name in ("m", "t")}
     return found
 

@@ -91,7 +91,7 @@ def _states(table: FanTable) -> Array:
     """Return states (n, 2) = (u, rotation L) [m] in half the plane, each up to the range of the fan there."""
     angles = -np.arange(-0.5 * np.pi, 0.5 * np.pi, STEP) - STEP
     ends = np.array([[np.cos(a), np.sin(a) / table.length] for a in angles])
-    used = table.support(ends, table.rows(ends)[1])[0]
+    used = table.support(ends)[0]
     states: Array = (ends * [1.0, table.length] / used[:, None])[:, None, :] * SIZES[:, None]
     return states.reshape(-1, 2)
 

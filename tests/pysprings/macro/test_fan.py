@@ -52,7 +52,7 @@ def test_recorded_states_come_back_and_the_reactions_sum_to_the_load(bent):
         found = np.array([bent.reactions(*state)[0] for state in states])
         np.testing.assert_allclose(found, np.stack([path["H"], path["M"]], axis=1), rtol=1e-9, atol=1e-3)
     states = scattered(40)
-    rows, _ = bent.table.rows(states)
+    rows = bent.table.rows(states)
     forces = np.array([bent.reactions(*state)[0] for state in states])
     np.testing.assert_allclose(rows.T @ bent.table.b, forces, rtol=1e-9, atol=1e-6)
     z, t = DEPTH, bent.table
@@ -262,7 +262,7 @@ def test_rays_calibrated_towards_minus_x_make_the_same_fan(turned):
             tree[f"paths/{name}"].dataset = path
     tables = [build_fan(Springs.of(tree)) for tree in (one, other)]
     states = scattered(60)
-    (rows, _), (found, _) = (table.rows(states) for table in tables)
+    rows, found = (table.rows(states) for table in tables)
     assert tables[0].name.tolist() == tables[1].name.tolist()
     for name in np.unique(tables[0].name):
         mine = tables[0].name == name

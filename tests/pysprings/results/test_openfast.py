@@ -269,7 +269,7 @@ def soil_action(model: MacroModel, motions: np.ndarray) -> np.ndarray:
 def vertical_of(model: MacroModel, u: float, rotation: float, V: float) -> float:
     """w [m] of `predict` under V at an imposed motion, from the parts that `impose` adds."""
     assert model.vertical is not None
-    rows = model.table.rows(np.array([[u, rotation]]))[0]
+    rows = model.table.rows(np.array([[u, rotation]]))
     w, V_path = (float(rows[model.table.name == name][0, 0]) for name in ("w", "V"))
     return w + model.vertical.displacement(V)[0] - model.vertical.displacement(V_path)[0]
 

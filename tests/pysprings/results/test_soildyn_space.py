@@ -66,7 +66,7 @@ def vertical_load(model: MacroModel, d: np.ndarray) -> float:
     plane, phi = np.hypot(aa - bb, 2.0 * ab) / (aa + bb), 0.5 * np.arctan2(2.0 * ab, aa - bb)
     angles = np.concatenate([[phi], np.pi * np.arange(DIRECTIONS) / DIRECTIONS])
     states = np.sqrt(aa + bb) * np.stack([np.cos(angles), np.sin(angles) / model.length], axis=1)
-    rows = model.table.rows(states)[0]
+    rows = model.table.rows(states)
     w, V = (plane * of[0] + (1.0 - plane) * of[1:].mean() for of in (rows[model.table.name == n][0] for n in "wV"))
     return carried(model, d, w, V)
 
