@@ -60,6 +60,7 @@ class Measured:
     stiffness : initial stiffness (3, 3) for (u, w, rotation).
     along : (path, share) of STATES and ENDS, by name; NaN where the path ended before.
     by_depth : (path, depth, share) of BY_DEPTH, by name.
+    largest : largest size of H and M by path, of all its states; NaN where nothing is known.
     reached : share of the aim, by path; limit : 1 where the path ended at a limit load.
     numbers : one number each: cost, size, error.
     """
@@ -67,6 +68,7 @@ class Measured:
     stiffness: Array
     along: Mapping[str, Array]
     by_depth: Mapping[str, Array]
+    largest: Mapping[str, Array]
     reached: Array
     limit: Array
     numbers: Mapping[str, float]
@@ -81,7 +83,7 @@ def measure(folder: Path, scene: Scene, paths: tuple[str, ...]) -> Measured | No
     n, k, known = len(paths), len(SHARES), {path.name: path for path in scene.load_paths}
     along = {name: np.full((n, k), np.nan) for name in (*STATES, *ENDS)}
     by_depth = {name: np.full((n, DEPTHS, k), np.nan) for name in BY_DEPTH}
-    reached, limit = np.zeros(n), np.zeros(n)
+    reached, limit, largest = np.zeros(n), np.zeros(n), {name: np.full(n, np.nan) for name in ("H", "M")}
     for row, name in enumerate(paths):
         path = springs.paths.get(name)
         if path is None or name not in known or path.n < 2:
@@ -90,10 +92,12 @@ def measure(folder: Path, scene: Scene, paths: tuple[str, ...]) -> Measured | No
         reached[row], limit[row] = min(share[-1], 1.0), float(path.end.how == "limit load")
         for each in (*STATES, *ENDS):
             along[each][row] = _resampled(share, path[each])
+        for each, values in largest.items():
+            values[row] = np.abs(path[each]).max()
         _put_depths(path, share, by_depth, row)
     stiffness = springs.stiffness
     matrix = np.full((3, 3), np.nan) if stiffness is None else stiffness
-    return Measured(matrix, along, by_depth, reached, limit, _numbers(folder))
+    return Measured(matrix, along, by_depth, largest, reached, limit, _numbers(folder))
 
 
 def shares_of(path: SpringPath, asked: ScenePath) -> Array:
@@ -432,19 +436,13 @@ def _places(study: Study) -> Any:
 def _put(data: Any, at: tuple[int, ...], found: Measured) -> None:
     for name, values in (*found.along.items(), *found.by_depth.items()):
         data[name][at] = values
-    data["H_largest"][at], data["M_largest"][at] = (_largest(found.along[name]) for name in ("H", "M"))
+    data["H_largest"][at], data["M_largest"][at] = found.largest["H"], found.largest["M"]
     data["reached"][at], data["limit_load"][at] = found.reached, found.limit
     data["stiffness_initial"][at] = found.stiffness
     for name, (row, column, _) in STIFFNESSES.items():
         data[name][at] = found.stiffness[DOFS.index(row), DOFS.index(column)]
     for name, value in found.numbers.items():
         data[name][at] = value
-
-
-def _largest(values: np.ndarray) -> np.ndarray:
-    """Return the largest size by path; NaN where nothing is known."""
-    filled = np.where(np.isfinite(values), np.abs(values), -1.0).max(axis=1)
-    return np.where(filled < 0.0, np.nan, filled)
 
 
 def open_study(path: str | os.PathLike[str]) -> xr.Dataset:

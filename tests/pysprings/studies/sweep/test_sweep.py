@@ -19,7 +19,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.core.words import ESTIMATES
 from pysprings.full_model.compute import compute, run
-from pysprings.springs.checks import open_springs
+from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
@@ -135,6 +135,19 @@ def test_springs_of_the_common_grid_sum_to_the_load(ended):
         assert np.abs(H - case["H"]).max() < 1e-5 * case["H"].max()
         assert np.abs(M - case["M"]).max() < 1e-5 * length * case["H"].max()
         assert case.sizes["share"] == len(SHARES)
+
+
+def test_the_largest_load_of_a_path_that_ends_between_two_shares_is_that_of_its_last_state(ended, tmp_path):
+    """The grid leaves out up to a quarter of the way to a limit load, which is the capacity."""
+    tree = open_springs(ended.folder(1) / "springs.nc")
+    path = tree["paths/pull"].to_dataset(inherit=False)
+    path = path.isel(step=slice(int(np.argmax(path["u"].values >= 0.9 * float(path["u"][-1])))))
+    tree["paths/pull"].dataset = path.assign_attrs(end="limit load")
+    save_springs(tree, tmp_path / "springs.nc")
+    found = measure(tmp_path, ended.plan.scene_of(ended.plan.cases[0]), ("pull",))
+    assert 0.6 < found.reached[0] < 0.7 and found.limit[0] == 1.0
+    assert np.nanmax(found.along["H"]) < 0.97 * float(path["H"][-1])
+    assert found.largest == {name: float(path[name].max()) for name in ("H", "M")}
 
 
 def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
