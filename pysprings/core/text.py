@@ -85,7 +85,7 @@ def _pieces(line: str, width: int) -> list[str]:
 
 def percent(value: float) -> str:
     """Return a size in percent, two figures below a hundred."""
-    return f"{value:.2g} %" if value < 100.0 else f"{value:.0f} %"
+    return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
 
 
 def plain_table(

@@ -32,6 +32,7 @@ from fe_engine.soil.elastic import elastic_tangent
 from fe_engine.soil.law import Point
 from fe_engine.solve.stepping import Driver, Position
 from fe_engine.state import State
+from pysprings.core.text import percent
 from pysprings.core.words import Diagnosis, StopReason
 from pysprings.scene.model import Scene
 
@@ -50,7 +51,7 @@ def too_far(driver: Driver, initial: np.ndarray, moved: str) -> Diagnosis:
     """Return why a given load has moved the caisson too far; ``moved`` are words for how far, ``initial`` as below."""
     left = _stiffness_left(driver, initial)
     reason = StopReason.LIMIT_LOAD if left < _LIMIT else StopReason.DISPLACEMENT_LIMIT
-    return Diagnosis(reason, f"{moved}; {_left(left)}")
+    return Diagnosis(reason, moved if np.isnan(left) else f"{moved}; {_left(left)}")
 
 
 def diagnose(driver: Driver, given_load: bool, initial: np.ndarray) -> Diagnosis:
@@ -88,7 +89,7 @@ def during_dead_load(cause: Diagnosis, position: Position | None) -> Diagnosis:
 
 
 def _left(share: float) -> str:
-    return f"{100.0 * max(share, 0.0):.2g} % of the initial stiffness is left"
+    return f"{percent(100.0 * max(share, 0.0))} of the initial stiffness is left"
 
 
 def _around(system: System | FourierSystem, state: State) -> np.ndarray:
@@ -105,9 +106,12 @@ def _around(system: System | FourierSystem, state: State) -> np.ndarray:
 
 
 def _stiffness_left(driver: Driver, initial: np.ndarray) -> float:
-    """Return stiffness of the last increment beside the smallest eigenvalue of the initial one, in displacements."""
+    """Return stiffness of the last increment beside the smallest eigenvalue of the initial one, in displacements.
+
+    NaN where no force was given: motions that are imposed do not show it.
+    """
     if driver.stiffness is None:
-        return 1.0
+        return math.nan
     scale = driver.newton.scale
     return float(driver.stiffness / np.linalg.eigvalsh(0.5 * (initial + initial.T) / np.outer(scale, scale))[0])
 

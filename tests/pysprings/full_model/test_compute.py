@@ -2,6 +2,7 @@
 """Whole runs on a tiny mesh: what the result holds, what decides it, and how a run ends that cannot go on."""
 
 import warnings
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.core import variables
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import work
 from pysprings.full_model.compute import compute, run
+from pysprings.full_model.diagnosis import too_far
 from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.comparison import compare
@@ -298,6 +301,14 @@ def test_a_load_ends_where_the_caisson_has_moved_too_far(soil: dict[str, Any], r
     assert (share[:-1] <= 1.0).all()
     assert 1.0 < share[-1] <= 1.1
     assert (data["converged"] == 1).all()
+
+
+def test_motions_that_are_imposed_do_not_show_what_is_left_of_the_stiffness() -> None:
+    """A probe of a capacity imposes a motion: at its limit none of the initial stiffness is stated, least of all all."""
+    driver: Any = SimpleNamespace(stiffness=None)
+    assert too_far(driver, np.eye(3), "it has moved") == Diagnosis(StopReason.DISPLACEMENT_LIMIT, "it has moved")
+    driver = SimpleNamespace(stiffness=0.996, newton=SimpleNamespace(scale=np.ones(3)))
+    assert too_far(driver, np.eye(3), "it has moved").detail == "it has moved; 100 % of the initial stiffness is left"
 
 
 def test_the_largest_motion_under_a_load_is_a_key_of_the_scene() -> None:
