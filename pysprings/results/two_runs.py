@@ -9,9 +9,12 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.arrays import Array
-from pysprings.core.text import number
+from pysprings.core.text import number, percent
+from pysprings.core.variables import EXTRAPOLATED
 from pysprings.full_model.run_record import RunRecord
+from pysprings.results.parts import node
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
+from pysprings.springs.path_ends import RESIDUAL, before_cavitation, end_of
 
 POINTS = 200  # of the range that both paths have, where their loads are compared
 
@@ -109,26 +112,46 @@ def _paths(first: Run, second: Run) -> Iterator[Row]:
     for name in common:
         a, b = (paths_of(each.result)[name] for each in (first, second))
         yield from _along(f"path {name}", a, b)
-        if a.end.failed or b.end.failed:
-            yield Row(f"path {name}", "end", a.end.words, b.end.words)
+        yield Row(f"path {name}", "error of the mesh on the load", *(_mesh(run, name) for run in (first, second)))
+        ends = [end_of(name, before_cavitation(each.dataset)) for each in (a, b)]
+        if any(each.failed for each in ends):
+            yield Row(f"path {name}", "end", *(each.words for each in ends))
+
+
+def _mesh(run: Run, name: str) -> str:
+    """Return what the loads of a path come from, and the estimate of their error."""
+    error = paths_of(run.result)[name].end.mesh_error
+    meshes = "two meshes" if EXTRAPOLATED in node(run.result, f"paths/{name}").children else "one mesh"
+    return f"{percent(error) if np.isfinite(error) else 'not known'} ({meshes})"
 
 
 def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
-    """Yield the loads of both at the largest motion that both have reached, and their largest difference on the way."""
-    driver, load = a.rules.drives, a.rules.load
+    """Yield the loads of both at the largest motion that both have reached, and their largest difference on the way.
+
+    What the iteration leaves of H beside M, or of M beside H, is no load.
+    """
+    driver, load, arms = a.rules.drives, a.rules.load, {"H": a.length, "M": 1.0}
+    sizes = {name: [arm * float(np.abs(each[name]).max()) for each in (a, b)] for name, arm in arms.items()}
+    least = RESIDUAL * max(*sizes["H"], *sizes["M"])
+    if load == "H" and min(sizes["H"]) <= least:
+        load = "M"
     end = min(float(moved(each[driver])[-1]) for each in (a, b))
     at = f"at {driver} = {in_words(np.copysign(end, farthest(a[driver])), driver)}"
-    quantities = [load] + [each for each in ("M", "rotation") if load == "H" and each in a.rules.answers]
+    quantities = [a.rules.load] + [
+        each for each in ("M", "rotation") if each in a.rules.answers and a.rules.load == "H"
+    ]
     for quantity in quantities:
         unit, factor = LOAD_UNITS[quantity]
         values = [factor * float(np.interp(end, *curve(each.dataset, driver, quantity))) for each in (a, b)]
+        nothing = factor * least / arms[quantity] if quantity in arms else 0.0
+        values = [value if abs(value) > nothing else 0.0 for value in values]
         yield _row(part, f"{quantity} {at} [{unit}]", *values)
     ways = [_way_come(each, a.length) for each in (a, b)]
     grid = np.linspace(0.0, min(way[-1] for way in ways), POINTS)
     loads = [np.interp(grid, *growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True)]
-    if size := float(np.abs(loads[0]).max()):
-        largest = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
-        yield Row(part, f"largest difference of {load}, in % of the largest", "", number(largest, 3))
+    if (size := float(np.abs(loads[0]).max())) and min(sizes.get(load, [np.inf])) > least:
+        share = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
+        yield Row(part, f"largest difference of {load}, in % of the largest", "", number(share, 3))
 
 
 LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}

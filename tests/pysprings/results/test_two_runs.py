@@ -77,6 +77,37 @@ def test_a_difference_on_the_way_back_counts(folders: tuple[Path, Path]) -> None
     assert float(row.second) == pytest.approx(25.0, abs=0.5)
 
 
+def test_what_the_iteration_leaves_of_zero_is_no_load(folders: tuple[Path, Path]) -> None:
+    """Of a moment alone, or of one that is: H is 0 and has no change; the difference is that of M."""
+    trees = [open_result(folders[0]) for _ in range(2)]
+    for share, tree in zip((1e-5, -4e-5), trees, strict=True):
+        path = tree["paths/pull"]
+        path["H"].values[:] = share * path["M"].values / float(tree.attrs["skirt_length_m"])
+        path["M"].values[:] *= 1.0 + 1e3 * share
+    found = differences(*(Run(name, tree, RunRecord()) for name, tree in zip("ab", trees, strict=True)))
+    own = {each.quantity: each for each in found if each.part == "path pull"}
+    row = own["H at u = 0.01 mm [kN]"]
+    assert (row.first, row.second, row.change) == ("0", "0", None)
+    assert float(own["largest difference of M, in % of the largest"].second) == pytest.approx(
+        100.0 * 0.05 / 1.01, abs=0.01
+    )
+    assert len([each for each in own if each.startswith("largest difference")]) == 1
+
+
+def test_meshes_their_errors_and_cavitation_are_named(folders: tuple[Path, Path]) -> None:
+    """Loads of one mesh stand beside those of two; water that would cavitate ends a path in the words of springs."""
+    one, two = (open_result(folders[0]) for _ in range(2))
+    two["paths/pull/extrapolated"] = xr.DataTree(one["paths/pull"].to_dataset(inherit=False)[["H"]])
+    two["paths/pull"].attrs["mesh_error_pct"] = 2.0
+    margin = np.where(np.arange(one["paths/up"].sizes["step"]) < 3, 1.0, -1.0)
+    one["paths/up"].dataset = one["paths/up"].to_dataset(inherit=False).assign(cavitation_margin=("step", margin))
+    found = differences(Run("a", one, RunRecord()), Run("b", two, RunRecord()))
+    rows = {f"{each.part}: {each.quantity}": (each.first, each.second) for each in found}
+    assert rows["path pull: error of the mesh on the load"] == ("not known (one mesh)", "2 % (two meshes)")
+    assert "the water would cavitate beyond" in rows["path up: end"][0] and "reached" in rows["path up: end"][1]
+    assert "path pull: end" not in rows
+
+
 def test_the_motion_of_a_path_that_goes_to_both_sides_is_that_to_the_farther_one() -> None:
     """Forth to 2, back to -5: what stands at -1 was reached on the way back."""
     motion, load = np.array([0.0, 1.0, 2.0, 0.0, -1.0, -5.0]), np.array([0.0, 10.0, 15.0, -8.0, -12.0, -20.0])
