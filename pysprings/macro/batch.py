@@ -13,7 +13,7 @@ from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, in_plane
 from pysprings.macro.answer import Way, answer_dataset
-from pysprings.macro.capacity import FULL_LIMIT, at_its_load, capacities, with_bound
+from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
@@ -244,7 +244,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     states, loads, reached = model.solve_cases("load", targets)
     answer = answer_dataset(model, Way(states, loads, "load", V))
     down = answer["V"].values if "V" in answer else None
-    largest = at_its_load(model, answer, capacities(model, targets, down))
+    largest = capacities(model, targets, down)
     answer = with_bound(model, answer, targets, largest.utilisation)
     limit = (largest.kind == FULL_LIMIT) & (largest.utilisation > 1.0 + RANGE_SLACK)
     past = (answer["beyond_end"].values == 1) | limit

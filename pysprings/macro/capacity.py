@@ -26,7 +26,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Integers, Marks, Texts
-from pysprings.core.loads import close_loads, fewest_loads, nearest, same_loads
+from pysprings.core.loads import close_loads, fewest_loads, nearest, same_load
 from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END
@@ -47,6 +47,7 @@ ONE_WAY = 1e-12  # angles are rounded to it [rad]: loads in proportion have one 
 
 FULL_LIMIT, SPRING_LIMIT = "limit load of the full model", "limit load of the springs"
 LARGEST_MOTION = "largest motion"
+NOT_AT_V = "of the springs, not at this V"  # that was asked for
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,18 +85,12 @@ def capacities(model: MacroModel, loads: Array, V: Array | float | None = None) 
     place, parts, order = nearest(down, known), [], []
     for k in np.unique(place):
         rows, at = np.flatnonzero(place == k), model.under(float(known[k]))
-        part = _at_one_load(at, loads[rows], down[rows])
-        part.source[~close_loads(down[rows], at.origin.load) & (part.kind != "")] += _elsewhere(at)
-        parts.append(part)
+        parts.append(_at_one_load(at, loads[rows], down[rows]))
         order.append(rows)
     back = np.argsort(np.concatenate(order))
     return Capacities(
         *(np.concatenate([getattr(part, each.name) for part in parts])[back] for each in fields(Capacities))
     )
-
-
-def _elsewhere(model: MacroModel) -> str:
-    return f"; at V = {with_prefix(model.origin.load, 'N')} of the springs, not at this V"
 
 
 def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Capacities:
@@ -125,6 +120,9 @@ def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Ca
             least = "may leave less: no path leads to it"
             words = f"leaves at least {100.0 * left[k]:.1f} %" if left[k] < 1.0 else least
             out.source[loaded[k]] += f"; at V of the springs, of which this V {words}"
+        for k in np.flatnonzero(~covered(model.vertical, down, own)):
+            if not same_load(down[k], own[k]):
+                out.source[loaded[k]] += f"; at V = {with_prefix(own[k], 'N')} {NOT_AT_V}"
         out.source[loaded[beyond]], none = "V is beyond the largest known vertical load", none | beyond
     largest[none], out.kind[loaded[none]] = np.nan, NOT_KNOWN
     out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T
@@ -154,16 +152,7 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     )
     if not len(loads):
         return added
-    return added.assign_attrs(at_its_load(model, answer, largest).attributes())
-
-
-def at_its_load(model: MacroModel, answer: xr.Dataset, largest: Capacities) -> Capacities:
-    """Return the capacities of an answer with words where they are at V of the springs, which do not hold at this V."""
-    if "off_load" not in answer or model.response.follows(answer["V"].values):
-        return largest
-    off = (answer["off_load"].values == 1) & ~same_loads(answer["V"].values, model.origin.load)
-    largest.source[off & (largest.kind != "") & (largest.kind != NOT_KNOWN)] += _elsewhere(model)
-    return largest
+    return added.assign_attrs(largest.attributes())
 
 
 def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation: Array) -> xr.Dataset:

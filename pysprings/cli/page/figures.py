@@ -11,6 +11,7 @@ from pandas import DataFrame
 from pysprings.cli.page.answers import Answer, load_of, profiles
 from pysprings.core.loads import close_loads
 from pysprings.core.words import RANGE_END
+from pysprings.macro.capacity import NOT_AT_V
 from pysprings.macro.fan_springs import BAND
 from pysprings.results import look
 
@@ -140,7 +141,9 @@ def envelope(answer: Answer) -> Figure:
     notes += ["grey: cases of another V"] * others
     axes = {"xaxis": {"title": {"text": "H [MN]"}, "range": across}}
     known = answer.around is not None and bool(np.isfinite(answer.around.H).any())
-    title = "; ".join([f"{'Largest known loads' if known else 'No largest load is known'} at this V", *notes])
+    sources = [] if answer.around is None else answer.around.source
+    where = next((text.rpartition("; at ")[2] for text in sources if text.endswith(NOT_AT_V)), "this V")
+    title = "; ".join([f"{'Largest known loads' if known else 'No largest load is known'} at {where}", *notes])
     return figure(title, traces, **axes, yaxis={"title": {"text": "M [MN m]"}, "range": along})
 
 

@@ -212,6 +212,21 @@ def test_load_cases_of_another_vertical_load_are_grey(run_folder: Path) -> None:
     assert low < -0.1 and high > 900.0
 
 
+def test_the_largest_loads_have_the_vertical_load_that_they_are_at(run_folder: Path) -> None:
+    """Those of springs at 2 MN stand for 2.1 MN, not for 3 MN, where `predict` says so, too."""
+    source = RunSource.of(run_folder)
+    titles = []
+    for V in (None, 2.1, 3.0):
+        answer = Asker(source).answer(start(source, H=0.1, V=V))
+        titles.append(figures.envelope(answer)["layout"]["title"]["text"])
+        assert answer.way is not None
+        assert titles[-1].partition("; ")[0].endswith(answer.way.attrs["capacity_from"].rpartition("; at ")[2]) == (
+            V == 3.0
+        )
+    assert titles[0].startswith("Largest known loads at this V;") and titles[1] == titles[0]
+    assert titles[2].startswith("Largest known loads at V = 2 MN of the springs, not at this V;")
+
+
 def test_commands_that_are_not_enough(run_folder: Path) -> None:
     assert "give the folder of a run" in command("explore").err
     assert command("explore", run_folder, "--atlas", "clay").code == 2
