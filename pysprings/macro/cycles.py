@@ -112,7 +112,7 @@ def _largest(full: Array, macro: Array, answered: bool) -> float:
 def cycles(one: Followed) -> pd.DataFrame:
     """Return one row a branch: peaks, secant stiffness, work of the cycle that ends with it, damping ratio, of both."""
     at = turns(one)
-    motion, load = _measured(one)
+    motion, load = measured(one)
     works = one.work
     rows = []
     for number, (start, end) in enumerate(pairwise(at), 1):
@@ -149,7 +149,7 @@ def turns(one: Followed) -> list[int]:
     return [0, *moved[1:][back].tolist(), len(plane) - 1]
 
 
-def _measured(one: Followed) -> tuple[int, int]:
+def measured(one: Followed) -> tuple[int, int]:
     """Return the columns of motion and load of the cycles: (u, H), or (rotation, M) where u is held or H constant."""
     at = turns(one)
     plane = one.full[1] if one.control == "load" else one.full[0]

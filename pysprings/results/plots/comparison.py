@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS, driven, turns_back
-from pysprings.macro.cycles import Followed, cycles
+from pysprings.macro.cycles import Followed, cycles, measured
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import Control
 from pysprings.results.parts import converged
@@ -184,19 +184,23 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
     motions, loads = (
         np.stack([answer[a].values, answer[b].values], axis=1) for a, b in (("u", "rotation"), ("H", "M"))
     )
-    control: Control = "displacement" if path.rules.free_head else "state"
-    table = cycles(Followed(path, name, control, full, (motions, loads), ""))
+    control: Control = "load" if path.rules.force else "displacement" if path.rules.free_head else "state"
+    one = Followed(path, name, control, full, (motions, loads), "", V=path.given_loads[:n])
+    table, (by_rotation, _) = cycles(one), measured(one)
     ends = np.concatenate([[0.0], table["x_end_full"]])
     amplitude = 0.5 * np.abs(np.diff(ends)) * style.MM
     colour, _, marker = LOOKS[name]
     factor, unit = unit_text(table["secant_full"].to_numpy())
-    rows = (("secant", factor, f"secant stiffness dH/du [{unit}/m]"), ("damping", 1.0, "damping ratio of the cycle"))
+    secant, motion = (
+        (f"dM/d(rotation) [{unit} m/rad]", "rotation [mrad]") if by_rotation else (f"dH/du [{unit}/m]", "u [mm]")
+    )
+    rows = (("secant", factor, f"secant stiffness {secant}"), ("damping", 1.0, "damping ratio of the cycle"))
     for panel, (what, scale, words) in zip(panels, rows, strict=True):
         for whose, look in (("full", (style.INK, "o", FULL)), ("macro", (colour, marker, SPRING_SETS[name].label))):
             looks = dict(zip(("color", "marker", "label"), look, strict=True))
             values = table[f"{what}_{whose}"].to_numpy() * scale
             panel.plot(amplitude, values, linestyle="none", markersize=6, fillstyle="none", **looks)
-        panel.set(xlabel="amplitude of u [mm]", ylabel=words, ylim=(0, None))
+        panel.set(xlabel=f"amplitude of {motion}", ylabel=words, ylim=(0, None))
 
 
 LOOPS = Picture(

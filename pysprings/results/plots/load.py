@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from pysprings.core.path_kinds import driven
 from pysprings.results.parts import Attempt, attempts, converged, failed_steps
 from pysprings.results.plots import style
-from pysprings.results.plots.picture import Picture, View, abscissa, spread_depths, unit_text
+from pysprings.results.plots.picture import Picture, View, abscissa, skirt_length, spread_depths, unit_text
 from pysprings.results.plots.profiles import MOST_CURVES, depth_colours
 from pysprings.results.plots.style import BLUE, GREEN, GREY, SKY, VERMILLION, new_figure, set_title, styled
 
@@ -35,6 +35,8 @@ def load_displacement(path: xr.Dataset) -> Figure:
     axes = figure.subplots(2, 2)
     what = {"H": "Horizontal load", "M": "Moment about the lid centre"}
     letter = "M" if driven(path.attrs) == "rotation" else "H"
+    if {"M_tip", "H_tip"} <= {*path.variables}:  # that of the tip is about the tip
+        path = path.assign(M_tip=path["M_tip"] - skirt_length(path) * path["H_tip"])
     _by_surface(axes[0, 0], path, letter, what[letter])
     _vertical_forces(axes[0, 1], path)
     _rotation(axes[1, 0], path)

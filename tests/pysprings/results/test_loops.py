@@ -35,6 +35,21 @@ def test_loops_show_both_models_with_stiffness_and_damping() -> None:
     assert np.isnan(ratios[0]) and 0.05 < ratios[-1] < 0.64  # at most 2/pi, that of a rigid-plastic loop
 
 
+def test_a_loop_of_the_rotation_has_its_motion_and_moment_in_words_and_units() -> None:
+    shown = view("turning_0")
+    turned = {name: data.assign(rotation=data["u"] / 4.0, u=0.0 * data["u"], M=2.0 * data["H"], H=0.0 * data["H"])
+              for name, data in (("full", shown.path), ("memory", shown.predictions["memory"]))}  # fmt: skip
+    path = turned["full"].assign_attrs(kind="rotation")
+    *_, stiffness, damping = LOOPS.draw(replace(shown, path=path, predictions={"memory": turned["memory"]})).axes
+    assert (
+        stiffness.get_ylabel().startswith("secant stiffness dM/d(rotation) [") and "N m/rad]" in stiffness.get_ylabel()
+    )
+    assert stiffness.get_xlabel() == damping.get_xlabel() == "amplitude of rotation [mrad]"
+    own = [axes.get_lines()[0] for axes in LOOPS.draw(shown).axes[2:]]
+    np.testing.assert_allclose(stiffness.get_lines()[0].get_ydata(), 8.0 * np.asarray(own[0].get_ydata()), rtol=1e-9)
+    np.testing.assert_allclose(damping.get_lines()[0].get_ydata(), own[1].get_ydata(), rtol=1e-9)
+
+
 def test_loops_are_drawn_where_a_path_turns_back_and_springs_remember() -> None:
     assert not LOOPS.applies(replace(view("turning_0"), predictions={}))
     assert not LOOPS.applies(view("ray_0"))

@@ -125,6 +125,8 @@ def test_a_rotation_path_shows_moment_against_rotation(trees: tuple[xr.DataTree,
     np.testing.assert_allclose(x, path["rotation"].values * 1e3)
     np.testing.assert_allclose(y, path["M"].values * 1e-6)
     assert figure.axes[0].get_ylabel() == "M [MN m]"
+    parts_of_it = [curve(figure, 0, name)[1] for name in ("skirt outside", "skirt inside", "lid", "tip")]
+    np.testing.assert_allclose(np.sum(parts_of_it, axis=0), y, rtol=1e-9)  # all about the lid centre
 
 
 @pytest.mark.slow
