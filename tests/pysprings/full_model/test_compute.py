@@ -304,7 +304,7 @@ def test_a_load_ends_where_the_caisson_has_moved_too_far(soil: dict[str, Any], r
 
 
 def test_motions_that_are_imposed_do_not_show_what_is_left_of_the_stiffness() -> None:
-    """A probe of a capacity imposes a motion: at its limit none of the initial stiffness is stated, least of all all."""
+    """A probe of a capacity imposes a motion: at its limit no share of the initial stiffness is stated."""
     driver: Any = SimpleNamespace(stiffness=None)
     assert too_far(driver, np.eye(3), "it has moved") == Diagnosis(StopReason.DISPLACEMENT_LIMIT, "it has moved")
     driver = SimpleNamespace(stiffness=0.996, newton=SimpleNamespace(scale=np.ones(3)))
