@@ -112,10 +112,10 @@ def _paths(first: Run, second: Run) -> Iterator[Row]:
     for name in common:
         a, b = (paths_of(each.result)[name] for each in (first, second))
         yield from _along(f"path {name}", a, b)
-        yield Row(f"path {name}", "error of the mesh on the load", *(_mesh(run, name) for run in (first, second)))
-        ends = [end_of(name, before_cavitation(each.dataset)) for each in (a, b)]
-        if any(each.failed for each in ends):
-            yield Row(f"path {name}", "end", *(each.words for each in ends))
+        yield Row(f"path {name}", "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
+        one, other = (end_of(name, before_cavitation(each.dataset)) for each in (a, b))
+        if one.failed or other.failed:
+            yield Row(f"path {name}", "end", one.words, other.words)
 
 
 def _mesh(run: Run, name: str) -> str:

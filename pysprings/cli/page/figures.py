@@ -141,7 +141,7 @@ def envelope(answer: Answer) -> Figure:
     notes += ["grey: cases of another V"] * others
     axes = {"xaxis": {"title": {"text": "H [MN]"}, "range": across}}
     known = answer.around is not None and bool(np.isfinite(answer.around.H).any())
-    sources = [] if answer.around is None else answer.around.source
+    sources: Any = () if answer.around is None else answer.around.source
     where = next((text.rpartition("; at ")[2] for text in sources if text.endswith(NOT_AT_V)), "this V")
     title = "; ".join([f"{'Largest known loads' if known else 'No largest load is known'} at {where}", *notes])
     return figure(title, traces, **axes, yaxis={"title": {"text": "M [MN m]"}, "range": along})
