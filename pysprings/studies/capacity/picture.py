@@ -4,6 +4,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -98,9 +99,11 @@ def _envelope(axes: Axes, part: pd.DataFrame, strength: str) -> None:
 
 def _cases(axes: Axes, cases: pd.DataFrame, across: str, along: str) -> None:
     cases = cases.drop_duplicates("name")
-    if not len(cases):
-        return
-    axes.plot(MN * cases[across], MN * cases[along], "s", color=INK, markersize=5, linestyle="none", label="load cases")
+    for off, colour, face, words in ((0, INK, INK, "load cases"), (1, GREY, "white", "load cases of another V")):
+        own = cases[cases["off_load"] == off]
+        if len(own):
+            look: Any = {"color": colour, "markerfacecolor": face, "markersize": 5, "linestyle": "none"}
+            axes.plot(MN * own[across], MN * own[along], "s", label=words, **look)
     for row in cases.to_dict("records"):
         place = (MN * row[across], MN * row[along])
         axes.annotate(plain(row["name"]), place, textcoords="offset points", xytext=(6, 2), fontsize=8)

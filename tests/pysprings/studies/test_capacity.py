@@ -306,7 +306,11 @@ def test_files_and_words(tmp_path: Path) -> None:
     assert picture.closing(table) == "macro-model against full model in 8 of 8 directions: -2.0 to -2.0 %"
     axes = envelopes(table, SCENE, outcome.cases).axes
     labels = axes[0].get_legend_handles_labels()[1]
-    assert labels == ["full model, characteristic strength", "macro-model, characteristic strength", "load cases"]
+    lines = ["full model, characteristic strength", "macro-model, characteristic strength"]
+    assert labels == [*lines, "load cases", "load cases of another V"]  # the panel is at 1 MN, that case at 2 MN
+    drawn = {str(line.get_label()): line for line in axes[0].get_lines()}
+    assert [len(drawn[label].get_xdata()) for label in labels[2:]] == [4, 1]
+    assert drawn[labels[3]].get_markerfacecolor() == "white" and drawn[labels[3]].get_xdata()[0] == 0.5
 
 
 @pytest.mark.slow
