@@ -13,8 +13,10 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.arrays import Array, Integers, Marks
+from pysprings.core.path_kinds import driven
 from pysprings.full_model.run_record import ATTRIBUTE, RunRecord
 from pysprings.springs.path import paths_of
+from pysprings.springs.path_ends import before_cavitation
 
 
 def node(tree: xr.DataTree, path: str) -> xr.DataTree:
@@ -42,10 +44,16 @@ def path_data(tree: xr.DataTree, name: str) -> xr.Dataset:
     -------
     xarray.Dataset
         The path's variables (SI); attrs ``path``, ``drainage``, ``outer_diameter_m``, ``skirt_length_m`` are
-        added when the tree holds them, so that a figure needs nothing else.
+        added when the tree holds them, so that a figure needs nothing else; ``cavitates`` has the motion beyond which
+        its water would.
     """
     path = paths_of(tree)[name].recorded
-    return path.assign_attrs({**settings(tree), **path.attrs, "path": name})
+    attrs, known = {**settings(tree), **path.attrs, "path": name}, before_cavitation(path)
+    if known.sizes["step"] < path.sizes["step"]:
+        motion = driven(path.attrs)
+        unit = "mrad" if motion == "rotation" else "mm"
+        attrs["cavitates"] = f"{motion} = {MM * float(known[motion][-1]):.3g} {unit}"
+    return path.assign_attrs(attrs)
 
 
 def section_data(tree: xr.DataTree) -> xr.Dataset | None:

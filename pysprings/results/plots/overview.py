@@ -16,6 +16,7 @@ from pysprings.results.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture
 from pysprings.springs.path import paths_of
+from pysprings.springs.path_ends import MARGIN, before_cavitation
 
 
 class LateralPath(NamedTuple):
@@ -27,14 +28,20 @@ class LateralPath(NamedTuple):
 
 
 def lateral_paths(tree: xr.DataTree, free_head: bool = False) -> list[LateralPath]:
-    """Return the paths that move the caisson sideways; of those with a free head alone."""
+    """Return the paths that move the caisson sideways, before cavitation; of those with a free head alone."""
     found = []
     for name, path in paths_of(tree).items():
         if not path.is_vertical and path.n > 1:
-            found.append((name, path.recorded, PATH_KINDS[path.kind].free_head))
+            found.append((name, before_cavitation(path.recorded), PATH_KINDS[path.kind].free_head))
     colours = mpl.colormaps[style.PATH_COLOURS](np.linspace(0.05, 0.92, len(found)))
     paths = [LateralPath(name, path, colour) for (name, path, _), colour in zip(found, colours, strict=True)]
     return [path for path, (*_, free) in zip(paths, found, strict=True) if free or not free_head]
+
+
+def _until(tree: xr.DataTree) -> str:
+    """Return what ends curves before their last state."""
+    cut = any(MARGIN in path and (path[MARGIN] < 0.0).any() for path in paths_of(tree).values() if not path.is_vertical)
+    return "to where water would cavitate, beyond which no load is a capacity" if cut else ""
 
 
 def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y: tuple[str, float]) -> None:
@@ -66,7 +73,7 @@ def overview(tree: xr.DataTree) -> Figure:
         ("M", style.MN),
     )
     right.set(xlabel="rotation [deg]", ylabel="M about the lid centre [MN m]", title="Moment")
-    style.set_title(figure, "All lateral paths (dashed: held back)", settings(tree))
+    style.set_title(figure, "All lateral paths (dashed: held back)", settings(tree), _until(tree))
     for axes in (left, right):
         style.legend_beside(axes, 8.0)
     return figure
@@ -101,7 +108,7 @@ def tilt(tree: xr.DataTree, limits: Iterable[float] = TILTS) -> Figure:
         axes.set_ylabel(f"size of {load} [{unit}]")
     left.set_title("Load")
     right.set_title("Moment about the lid centre")
-    style.set_title(figure, "Load against tilt, by height of the load", settings(tree))
+    style.set_title(figure, "Load against tilt, by height of the load", settings(tree), _until(tree))
     for axes in (left, right):
         style.legend_beside(axes, 8.0)
     return figure
@@ -165,7 +172,7 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     left.set(xlabel="u / D" if np.isfinite(diameter) else "u [m]", ylabel="H / u [MN/m]", title="Horizontal motion")
     draw_secant(right, tree, "M", "rotation", 1.0, least)
     right.set(xlabel="rotation [rad]", ylabel="M / rotation [MN m/rad]", title="Rotation")
-    style.set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree))
+    style.set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree), _until(tree))
     lines = {str(line.get_label()): line for axes in (left, right) for line in axes.get_lines()}
     named = {name: line for name, line in lines.items() if not name.startswith("_")}
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=5, fontsize=8)

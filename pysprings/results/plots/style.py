@@ -136,6 +136,9 @@ def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
     return figure
 
 
+CAVITATES = "no capacity where water would cavitate, beyond"
+
+
 def headline(attrs: Mapping[str, Any]) -> str:
     """Return what every title states: path, drainage, diameter D and skirt length L [m], an early stop."""
     parts = [f"path {plain(attrs['path'])}"] if attrs.get("path") else []
@@ -147,6 +150,8 @@ def headline(attrs: Mapping[str, Any]) -> str:
         parts.append("to its limit load")
     elif status != "complete":
         parts.append(f"{plain(status)}: stopped before its end")
+    if "cavitates" in attrs:
+        parts.append(f"{CAVITATES} {attrs['cavitates']}")
     return "  |  ".join(parts)
 
 

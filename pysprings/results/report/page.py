@@ -41,6 +41,7 @@ from pysprings.results.parts import converged
 from pysprings.results.report import inputs, load_cases, validity
 from pysprings.results.report.inputs import ReportData, ReportTable, Section
 from pysprings.springs.path import paths_of
+from pysprings.springs.path_ends import before_cavitation
 from pysprings.springs.sums import by_depth
 from pysprings.springs.tip_zone import edge_rings
 
@@ -65,7 +66,8 @@ class Live:
 def live_parts(result: xr.DataTree) -> Live | None:
     """Return the interactive parts of the report of a result; None without plotly or without a path to draw."""
     library = _library()
-    paths = [_path(name, path.recorded) for name, path in [*paths_of(result).items()][:MOST_PATHS]]
+    first = [*paths_of(result).items()][:MOST_PATHS]
+    paths = [_path(name, before_cavitation(path.recorded)) for name, path in first]
     drawn = [path for path in paths if len(path["u"]) > 1]
     if library is None or not drawn:
         return None

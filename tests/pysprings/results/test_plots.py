@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Figures show the dataset's numbers in the labelled units, and no unconverged step as if it were one."""
 
+import json
 import struct
 import subprocess
 import sys
@@ -24,7 +25,7 @@ from pysprings.results.plots.draw import PICTURES
 from pysprings.results.plots.picture import View
 from pysprings.results.plots.profiles import PANELS
 from pysprings.results.plots.style import new_figure
-from pysprings.results.report.page import pictures_by_part
+from pysprings.results.report.page import live_parts, pictures_by_part
 from tests.support import synthetic
 
 PULL = synthetic.Path("pull", size=2e-2, steps=24)
@@ -147,6 +148,26 @@ def test_title_says_when_a_path_stopped_early(pull: xr.Dataset) -> None:
     assert "stopped" not in title(plots.macro_against_full(pull, {}))
     pull.attrs["status"] = "partial"
     assert "partial: stopped before its end" in title(plots.macro_against_full(pull, {}))
+
+
+def test_what_is_carried_beyond_cavitation_is_not_drawn_beside_other_paths_and_named_on_its_own(
+    trees: tuple[xr.DataTree, xr.DataTree],
+) -> None:
+    """As in the tables of the report, of which these are the pictures; the curves of the page are those, too."""
+    tree = trees[0].copy(deep=True)
+    path = tree["paths/pull"].to_dataset(inherit=False)
+    margin = np.where(np.arange(path.sizes["step"]) < 10, 1e5, -1e3)
+    tree["paths/pull"].dataset = path.assign(cavitation_margin=("step", margin, {"units": "Pa"}))
+    last = 1e3 * float(path["u"][9])
+    for draw, factor in ((plots.overview, 1.0), (plots.secant_stiffness, 1e-3)):
+        figure = draw(tree)
+        assert max(curve(figure, 0, "pull")[0]) == pytest.approx(factor * last)
+        assert "to where water would cavitate" in title(figure) and "cavitate" not in title(draw(trees[0]))
+    assert max(curve(plots.tilt(tree), 0, "pull")[0]) == pytest.approx(np.degrees(float(path["rotation"][9])))
+    own = title(plots.load_displacement(plots.path_data(tree, "pull")))
+    assert f"no capacity where water would cavitate, beyond u = {last:.3g} mm" in own
+    live = live_parts(tree)
+    assert live is None or max(json.loads(live.data)["paths"][0]["u"]) == pytest.approx(last, rel=1e-3)
 
 
 def test_text_of_a_scene_is_not_read_as_a_formula(pull: xr.Dataset) -> None:
