@@ -227,6 +227,15 @@ def test_the_largest_loads_have_the_vertical_load_that_they_are_at(run_folder: P
     assert titles[2].startswith("Largest known loads at V = 2 MN of the springs, not at this V;")
 
 
+def test_a_vertical_load_of_zero_that_is_met_to_rounding_is_that_of_the_springs() -> None:
+    """Springs of an atlas at V = 0 have V = 1 N on the way."""
+    source = AtlasSource.of("clay-gap")
+    answer = Asker(source).answer(start(source, H=0.58, D=12.0, L=10.35))
+    assert answer.way is not None and abs(float(answer.way["V"][-1])) > 1.0
+    assert "not at this V" not in answer.way.attrs["capacity_from"]
+    assert "at this V" in figures.envelope(answer)["layout"]["title"]["text"].partition(";")[0]
+
+
 def test_commands_that_are_not_enough(run_folder: Path) -> None:
     assert "give the folder of a run" in command("explore").err
     assert command("explore", run_folder, "--atlas", "clay").code == 2
