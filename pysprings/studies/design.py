@@ -25,6 +25,7 @@ from pysprings.core.text import number
 from pysprings.core.units import QuantityError, read
 from pysprings.core.words import RANGE_END
 from pysprings.macro.batch import APART, MOST_APART, answer_from_all_sides, answer_loads
+from pysprings.macro.fan_springs import BAND
 from pysprings.macro.model import AnySprings, Typed, typed
 from pysprings.macro.vertical import build_vertical, covered, share_left
 from pysprings.results.exporters.csv import write_frame
@@ -92,6 +93,9 @@ def answer_cases(
     tolerance = np.where(np.isnan(cases.tilt), np.nan if limit is None else limit, cases.tilt)
     frame["tilt_deg"], frame["tilt_limit_deg"] = np.degrees(frame["rotation_rad"].abs()), np.degrees(tolerance)
     frame["tilt_used"] = frame["rotation_rad"].abs() / tolerance
+    for name, column in (("u_deviation", "u_deviation_m"), ("rotation_deviation", "rotation_deviation_rad")):
+        if name in answers:
+            frame[column] = answers[name].values
     frame = pd.concat([frame, _stiffness(answers, frame)], axis=1)
     frame["utilisation"] = answers["utilisation"].values
     frame["utilisation_V"] = _values(answers, "utilisation_V", len(cases))
@@ -102,7 +106,7 @@ def answer_cases(
     frame["range_used"] = answers["range_used"].values
     frame["mesh_error_pct"] = _values(answers, "mesh_error_pct", len(cases))
     frame["answered"] = answers["answered"].values.astype(int)
-    frame["marks"] = _marks(answers)
+    frame["marks"] = _marks(answers, frame)
     frame["remarks"] = list(cases.notes)
     own = frame["marks"]
     frame = _with_sets(frame, typed(springs), cases, extrapolate, choice)
@@ -125,8 +129,8 @@ MOTIONS = {"u_m": "u", "w_m": "w", "rotation_rad": "rotation", "tilt_used": "til
 LARGEST = MOTIONS | {"utilisation": "utilisation", "utilisation_V": "V used"}
 # of the estimate that has the largest value of a column
 BESIDE = {
-    "u_m": ("secant_H_u_N_per_m", "u_x_m", "u_y_m", *STIFFNESS.values()),
-    "rotation_rad": ("secant_M_rotation_Nm", "rot_x_rad", "rot_y_rad"),
+    "u_m": ("secant_H_u_N_per_m", "u_deviation_m", "u_x_m", "u_y_m", *STIFFNESS.values()),
+    "rotation_rad": ("secant_M_rotation_Nm", "rotation_deviation_rad", "rot_x_rad", "rot_y_rad"),
     "utilisation": ("H_capacity_N", "M_capacity_Nm", "capacity_kind"),
     "utilisation_V": ("capacity_V_N", "capacity_V_kind"),
 }
@@ -191,14 +195,16 @@ def _stiffness(answers: xr.Dataset, frame: pd.DataFrame) -> pd.DataFrame:
     return out
 
 
-def _marks(answers: xr.Dataset) -> list[str]:
+def _marks(answers: xr.Dataset, frame: pd.DataFrame) -> list[str]:
     """Return why a case has no answer, or the marks of its answer in words; of springs of an atlas those of all."""
-    texts = []
+    texts, wide = [], frame["tilt_deg"] + np.degrees(BAND * frame.get("rotation_deviation_rad", 0.0))
+    near = (frame["tilt_used"] <= 1.0) & (wide > frame["tilt_limit_deg"]) & np.isfinite(wide)
     of_all = [str(answers.attrs[name]) for name in ("atlas_outside", "atlas_mesh") if answers.attrs.get(name)]
     for k, why in enumerate(answers["why_not"].values):
         marked = [words for name, words in MARKS.items() if name in answers and answers[name].values[k]]
         apart = float(answers["plane_difference_pct"].values[k]) if "plane_difference_pct" in answers else 0.0
         marked += [APART.format(apart)] * (apart > MOST_APART)
+        marked += [f"tilt with {BAND} deviations {number(wide[k], 3)} deg: not tolerated"] * bool(near[k])
         texts.append(str(why) or "; ".join([*marked, *of_all]))
     return texts
 

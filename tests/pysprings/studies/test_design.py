@@ -2,6 +2,7 @@
 """Load cases on the springs of a fan: each answer is that of `predict`; what is beyond them is blank and marked."""
 
 import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,11 @@ import openpyxl
 import pandas as pd
 import pytest
 
+import pysprings
 from pysprings.cli import design as cli
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.core.text import number
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
 from pysprings.macro.vertical_answer import largest_vertical
@@ -63,6 +66,23 @@ def test_answers_are_those_of_predict(springs, cases: Path) -> None:
     assert table["tilt_used"]["calm"] == pytest.approx(abs(table["rotation_rad"]["calm"]) / 0.01)
     assert table["tilt_used"]["storm"] == pytest.approx(abs(table["rotation_rad"]["storm"]) / np.radians(0.001))
     assert list(table["verdict"]) == ["ok", "tilt exceeded", table["verdict"]["huge"], "ok"]
+
+
+def test_a_tilt_within_the_band_of_an_atlas_is_not_ok(cases: Path) -> None:
+    """Deviations stand beside the motions; 1.96 of them beyond what is tolerated make a mark, fewer do not."""
+    atlas = pysprings.open_atlas("clay")
+    springs = atlas.springs(atlas.scene(D=9.0, L=6.0))
+    load = 0.9 * predict(springs, H=1e5, arm=10.0).attrs["capacity_H_N"]
+    state = predict(springs, H=load, arm=10.0)
+    turn, own = (math.degrees(float(state[name])) for name in ("rotation", "rotation_deviation"))
+    lines = [f"{k},,{1e-3 * load},10,{turn + k * own}" for k in (1.9, 2.0)]
+    cases.write_text("\n".join([LINES[0], *lines]) + "\n", encoding="utf-8")
+    table = answer_cases(springs, read_load_cases(cases))
+    assert list(table["u_deviation_m"]) == pytest.approx([float(state["u_deviation"])] * 2)
+    assert list(table["rotation_deviation_rad"]) == pytest.approx([math.radians(own)] * 2)
+    assert list(table["verdict"]) == ["supported in part", "ok"]
+    assert table["marks"][0] == f"tilt with 1.96 deviations {number(turn + 1.96 * own, 3)} deg: not tolerated"
+    assert "deviation of rotation [deg]" in text.table_of(table, brief=True).columns
 
 
 def test_the_tilt_of_the_scene_counts_where_nothing_else_gives_one(springs, cases: Path) -> None:
