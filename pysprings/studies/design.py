@@ -108,6 +108,7 @@ def answer_cases(
     frame["answered"] = answers["answered"].values.astype(int)
     frame["marks"] = _marks(answers, frame)
     frame["remarks"] = list(cases.notes)
+    frame = _with_mesh_error(frame, springs, cases, extrapolate, choice)
     own = frame["marks"]
     frame = _with_sets(frame, typed(springs), cases, extrapolate, choice)
     frame["marks"] = frame["marks"].where(~space, own)  # springs in space are those of one V
@@ -207,6 +208,31 @@ def _marks(answers: xr.Dataset, frame: pd.DataFrame) -> list[str]:
         marked += [f"tilt with {BAND} deviations {number(wide[k], 3)} deg: not tolerated"] * bool(near[k])
         texts.append(str(why) or "; ".join([*marked, *of_all]))
     return texts
+
+
+def _with_mesh_error(
+    frame: pd.DataFrame, springs: AnySprings, cases: LoadCases, extrapolate: bool, choice: dict[str, Any]
+) -> pd.DataFrame:
+    """Return the answers with marks of cases in one plane that are met, but not at loads larger by the mesh's error.
+
+    Near the largest load a small error of the load is a multiple of it in the motion.
+    """
+    error = frame["mesh_error_pct"].to_numpy()
+    rows = np.flatnonzero((error > 0.0) & (frame["answered"] == 1) & cases.lateral & ~cases.aside)
+    if not rows.size:
+        return frame
+    larger = cases.loads[rows] * (1.0 + 0.01 * error[rows, None])
+    more = answer_loads(springs, larger, cases.V[rows], extrapolate, **choice)
+    out = frame.copy()
+    for k, row in enumerate(rows):
+        turn, limit = abs(np.degrees(float(more["rotation"].values[k]))), float(out["tilt_limit_deg"][row])
+        far = out["utilisation"][row] <= 1.0 < more["utilisation"].values[k]
+        texts = [f"tilt {number(turn, 3)} deg, not tolerated"] * bool(out["tilt_deg"][row] <= limit < turn)
+        texts += ["overloaded"] * bool(far and more["capacity_kind"].values[k] != RANGE_END)
+        if texts:
+            said = f"at loads {number(error[row], 2)} % larger, the error of the mesh: {', '.join(texts)}"
+            out.loc[row, "marks"] = "; ".join(filter(None, [out["marks"][row], said]))
+    return out
 
 
 def _with_sets(

@@ -85,6 +85,27 @@ def test_a_tilt_within_the_band_of_an_atlas_is_not_ok(cases: Path) -> None:
     assert "deviation of rotation [deg]" in text.table_of(table, brief=True).columns
 
 
+def test_what_the_error_of_the_mesh_turns_is_not_ok(cases: Path) -> None:
+    """Cases are met as they are, and not at loads larger by the stated error: by tilt, and by a limit load."""
+    springs = fan_springs(potential)
+    plain, more = (predict(springs, H=H, arm=2.0) for H in (5e5, 5.25e5))
+    turns = [math.degrees(float(state["rotation"])) for state in (plain, more)]
+    tilts = [0.5 * sum(turns), 1.01 * turns[1]]
+    lines = [*(f"{tilt},,500,2,{tilt}" for tilt in tilts), "near,,485,0,", "far,,470,0,"]
+    cases.write_text("\n".join([LINES[0], *lines]) + "\n", encoding="utf-8")
+    springs["paths/ray_0"].attrs |= {"end": "limit load", "end_H_N": 5e5, "end_M_Nm": 0.0}
+    assert (answer_cases(springs, read_load_cases(cases))["verdict"] == "ok").all()  # no error is stated
+    for path in springs["paths"].children.values():
+        path.attrs["mesh_error_pct"] = 5.0
+    table = answer_cases(springs, read_load_cases(cases))
+    assert list(table["mesh_error_pct"]) == [5.0] * 4
+    words = "at loads 5 % larger, the error of the mesh"
+    assert list(table["marks"]) == [
+        f"{words}: tilt {number(turns[1], 3)} deg, not tolerated", "", f"{words}: overloaded", ""
+    ]  # fmt: skip
+    assert list(table["verdict"]) == ["supported in part", "ok", "supported in part", "ok"]
+
+
 def test_the_tilt_of_the_scene_counts_where_nothing_else_gives_one(springs, cases: Path) -> None:
     """A row's own tolerance comes first, then that of the question, then [design] tilt of the run."""
     text = tiny.scene(design={"tilt": np.radians(0.0015)}).to_toml()
