@@ -139,6 +139,7 @@ class CutBack(_Part):
 
 
 _VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are rounding
+_ROUNDING = 1e-5  # share of the largest load that the tolerance of the solver leaves of zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,8 +174,10 @@ class LimitLoad(_Part):
     def __str__(self) -> str:
         if self.is_vertical:
             return f"V = {1e-3 * self.V_N:.5g} kN at w = {1e3 * self.w_m:.4g} mm ({self.criterion})"
+        loads = (self.H_N, self.M_Nm, self.V_N)
+        H, M, V = (1e-3 * load if abs(load) > _ROUNDING * max(map(abs, loads)) else 0.0 for load in loads)
         return (
-            f"H = {1e-3 * self.H_N:.5g} kN, M = {1e-3 * self.M_Nm + 0.0:.5g} kN m, V = {1e-3 * self.V_N:.5g} kN "
+            f"H = {H:.5g} kN, M = {M:.5g} kN m, V = {V:.5g} kN "
             f"at u = {1e3 * self.u_m:.4g} mm, rotation = {math.degrees(self.rotation_rad) + 0.0:.4g} deg "
             f"({self.criterion})"
         )

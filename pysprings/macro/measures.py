@@ -22,6 +22,7 @@ import xarray as xr
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.springs.path import SpringPath
+from pysprings.springs.path_ends import RESIDUAL
 
 # Relative errors leave out states below this share of the largest displacement (or rotation) of the path.
 SKIP_BELOW = 0.01
@@ -59,11 +60,17 @@ def abscissa(path: SpringPath) -> Array:
 
 
 def errors(path: SpringPath, answer: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
-    """Return the largest (by size, signed) and last relative error [%] of each answer; NaN for what is imposed."""
+    """Return the largest (by size, signed) and last relative error [%] of each answer; NaN for what is imposed.
+
+    NaN, too, for what the iteration leaves of M beside H, or of H beside M.
+    """
     out: dict[str, float] = {}
+    arms = {label: arm for label, arm in (("H", path.length), ("M", 1.0)) if label in path}
+    sizes = {label: arm * float(np.abs(path[label]).max(initial=0.0)) for label, arm in arms.items()}
+    least = RESIDUAL * max(sizes.values(), default=0.0)
     for label in _ERRORS:
         worst = last = np.nan
-        if label in answers:
+        if label in answers and sizes.get(label, np.inf) > least:
             reference = path[label][: x.size]
             change = reference - reference[0] if label == "V" and reference.size else reference
             counted = change[_counted(x)]

@@ -234,7 +234,7 @@ def _springs(run: Run) -> str:
     worst = _held_back(run)
     if worst is None:
         if run.comparison is not None:
-            return "not checked: there is no held-back path in one plane"
+            return "not checked: no path in one plane with a free head is held back"
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
     errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items() if name != _U)
     moved = f"; of u at equal load: {number(worst[_U], 2)} %" if _U in worst else ""

@@ -123,8 +123,7 @@ class Group:
         return 1.0 / max(lateral, abs(v) / (turn * self.scene.caisson.skirt_length))
 
     def _with_paths(self, paths: Sequence[dict[str, Any]]) -> Scene:
-        loaded = [path | {"vertical_load": self.load} for path in paths]
-        return self.scene.replace(paths=loaded, output=_OUTPUT)
+        return self.scene.replace(paths=paths, output=_OUTPUT, caisson={"vertical_load": self.load})
 
 
 def motion_limit(scene: Scene) -> tuple[float, float]:

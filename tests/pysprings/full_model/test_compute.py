@@ -19,7 +19,7 @@ from pysprings.full_model import work
 from pysprings.full_model.compute import compute, run
 from pysprings.full_model.diagnosis import too_far
 from pysprings.full_model.result_tree import raise_if_incomplete
-from pysprings.full_model.run_record import RunRecord
+from pysprings.full_model.run_record import LimitLoad, RunRecord
 from pysprings.macro.comparison import compare
 from pysprings.results.parts import settings
 from pysprings.springs.checks import extract_springs
@@ -309,6 +309,11 @@ def test_motions_that_are_imposed_do_not_show_what_is_left_of_the_stiffness() ->
     assert too_far(driver, np.eye(3), "it has moved") == Diagnosis(StopReason.DISPLACEMENT_LIMIT, "it has moved")
     driver = SimpleNamespace(stiffness=0.996, newton=SimpleNamespace(scale=np.ones(3)))
     assert too_far(driver, np.eye(3), "it has moved").detail == "it has moved; 100 % of the initial stiffness is left"
+
+
+def test_what_the_solver_leaves_of_zero_is_no_part_of_a_limit_load() -> None:
+    text = str(LimitLoad(2.4e6, 4.4e-3, -8.2, 0.438, 0.0, 0.0, "x"))
+    assert text.startswith("H = 2400 kN, M = 0 kN m, V = 0 kN at u = 438 mm")
 
 
 def test_the_largest_motion_under_a_load_is_a_key_of_the_scene() -> None:

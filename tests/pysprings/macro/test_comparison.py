@@ -49,6 +49,18 @@ def test_eta_of_known_areas():
     assert np.isnan(eta(x, 0.0 * x, x))
 
 
+def test_what_the_iteration_leaves_of_a_moment_has_no_error(springs):
+    """A probe of a capacity keeps M at 0 to the tolerance of the solver, beside which every M is a multiple."""
+    data = paths_of(springs)["push"].dataset
+    noise = 1e-5 * np.abs(data["H"].values) * np.sin(np.arange(data.sizes["step"]))
+    path = SpringPath("push", data.assign(M=("step", noise)), 4.0)
+    answer = xr.Dataset({"H": 1.1 * data["H"], "M": 0.0 * data["M"] + 1e3})
+    found = errors(path, answer, path.u, ("H", "M"))
+    assert found["H_error_max_pct"] == pytest.approx(10.0)
+    assert np.isnan([found["M_error_max_pct"], found["M_error_end_pct"]]).all()
+    assert np.isfinite(errors(SpringPath("push", data, 4.0), answer, path.u, ("M",))["M_error_max_pct"])
+
+
 def test_one_row_a_path_and_spring_set(frame):
     found = list(zip(frame["path"], frame["springs"], strict=True))
     assert found == [(path.name, spring_set) for path in PATHS for spring_set in ("py", "pisa", "full", "fan")]
