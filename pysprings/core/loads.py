@@ -54,7 +54,7 @@ def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Ar
 
 SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
 NO_LOAD = 1.0  # or by this [N]
-_ROUNDED = 1e-9  # loads below this share of the other one are what rounding has left of zero
+_ROUNDED = 1e-5  # loads below this share of the other one are what the solver has left of zero
 CLOSE_LOAD = 0.1  # vertical loads whose lateral springs are one, over the larger
 _KEPT = 1.0 - CLOSE_LOAD * (1.0 - 1e-9)  # a little closer, for rounding
 

@@ -137,6 +137,8 @@ class Comparison:
         small = small / length if rules.drives == "rotation" else small
         if rules.drives == "w":  # what is there at rest is no answer
             x, reference, values = x - x[0], reference - reference[0], values - reference[0]
+        if rules.load == "H" and "H" not in measures.carried(path):
+            reference = 0.0 * reference
         row: dict[str, Any] = {
             "path": path.name,
             "role": path.role,

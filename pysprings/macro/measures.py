@@ -59,18 +59,22 @@ def abscissa(path: SpringPath) -> Array:
     return np.abs(x) + path.length * np.abs(path.rotation) if path.bends else x
 
 
+def carried(path: SpringPath) -> set[str]:
+    """Return which of H and M a path has; not what the iteration leaves of one beside the other."""
+    arms = {label: arm for label, arm in (("H", path.length), ("M", 1.0)) if label in path}
+    sizes = {label: arm * float(np.abs(path[label]).max(initial=0.0)) for label, arm in arms.items()}
+    return {label for label, size in sizes.items() if size > RESIDUAL * max(sizes.values())}
+
+
 def errors(path: SpringPath, answer: xr.Dataset, x: Array, answers: tuple[str, ...]) -> dict[str, float]:
     """Return the largest (by size, signed) and last relative error [%] of each answer; NaN for what is imposed.
 
     NaN, too, for what the iteration leaves of M beside H, or of H beside M.
     """
-    out: dict[str, float] = {}
-    arms = {label: arm for label, arm in (("H", path.length), ("M", 1.0)) if label in path}
-    sizes = {label: arm * float(np.abs(path[label]).max(initial=0.0)) for label, arm in arms.items()}
-    least = RESIDUAL * max(sizes.values(), default=0.0)
+    out, loaded = dict[str, float](), carried(path)
     for label in _ERRORS:
         worst = last = np.nan
-        if label in answers and sizes.get(label, np.inf) > least:
+        if label in answers and (label not in ("H", "M") or label in loaded):
             reference = path[label][: x.size]
             change = reference - reference[0] if label == "V" and reference.size else reference
             counted = change[_counted(x)]

@@ -330,13 +330,14 @@ _END = (
 
 
 def _clean(path: Any, key: str, step: int, factor: float) -> str:
-    """Write a value of a step; a rounding error beside the largest load or motion of the path is 0."""
+    """Write a value of a step; what the solver leaves of 0 beside the largest load or motion of the path is 0."""
     if key not in path:
         return "-"
     alike = [name for name in ("H", "V", "M") if name in path] if key[0] in "HVM" else ["u", "w", "rotation"]
     largest = max(float(np.abs(path[name].values).max(initial=0.0)) for name in alike if name in path)
     value = float(path[key][step])
-    return number(0.0 if abs(value) < 1e-9 * largest else value * factor, 4)
+    least = (1e-5 if key[0] in "HVM" else 1e-9) * largest
+    return number(0.0 if abs(value) < least else value * factor, 4)
 
 
 def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:

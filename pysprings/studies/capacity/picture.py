@@ -200,7 +200,7 @@ DIRECTIONS = "direction: angle in the plane of H and M/D; M is about the lid cen
 WITH_TORSION = (
     " torsion: angle of the load out of that plane towards T/D; at 90 it is T alone. Springs have no such capacity."
 )
-OF_MESH = " mesh error: estimate of what is left of it, of loads from two meshes; with torsion of one mesh."
+OF_MESH = " mesh error: what is left of it, of loads from two meshes, with torsion of one; '-': of one mesh, not known."
 
 
 def criteria(outcome: Capacity) -> str:
@@ -214,17 +214,16 @@ def table_of(outcome: Capacity) -> Table:
     """Return the capacities as a table; without the columns of torsion or of a macro-model where there is none."""
     rows = outcome.table.to_dict("records")
     both, turned = any(row["criterion_macro"] for row in rows), any(row["torsion_deg"] for row in rows)
-    known = bool(outcome.table[MESH_ERROR].notna().any())
-    every = (*FULL, *[ERROR] * known, *MACRO * both)
+    every = (*FULL, ERROR, *MACRO * both)
     columns = tuple(each for each in every if turned or each not in TORSION)
-    return Table.of(columns, rows, note=DIRECTIONS + WITH_TORSION * turned + OF_MESH * known, wide=True)
+    return Table.of(columns, rows, note=DIRECTIONS + WITH_TORSION * turned + OF_MESH, wide=True)
 
 
 def table_of_cases(cases: pd.DataFrame) -> Table:
     """Return the load cases as a table; without the column of torsion where there is none."""
     rows = cases.to_dict("records")
-    turned, known = any(row["T_Nm"] for row in rows), bool(cases[MESH_ERROR].notna().any())
-    every = (*CASES[:-1], *[ERROR] * known, CASES[-1])
+    turned = any(row["T_Nm"] for row in rows)
+    every = (*CASES[:-1], ERROR, CASES[-1])
     return Table.of([each for each in every if turned or each not in TORSION], rows, wide=True)
 
 

@@ -61,6 +61,16 @@ def test_what_the_iteration_leaves_of_a_moment_has_no_error(springs):
     assert np.isfinite(errors(SpringPath("push", data, 4.0), answer, path.u, ("M",))["M_error_max_pct"])
 
 
+def test_a_force_that_is_none_has_no_eta():
+    """Of a couple: eta was -14,326."""
+    tree = make_springs((Path("pull"), Path("push", kind="translation", role="held-back")))
+    path = tree["paths/push"].to_dataset(inherit=False)
+    tree["paths/push"].dataset = path.assign(H=1e-6 * path["H"])
+    found = row(compare(tree), "push", "full")
+    assert np.isnan([found["eta_small"], found["eta_large"], found["H_error_max_pct"]]).all()
+    assert np.isfinite(found["M_error_max_pct"])
+
+
 def test_one_row_a_path_and_spring_set(frame):
     found = list(zip(frame["path"], frame["springs"], strict=True))
     assert found == [(path.name, spring_set) for path in PATHS for spring_set in ("py", "pisa", "full", "fan")]

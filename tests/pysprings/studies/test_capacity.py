@@ -308,6 +308,10 @@ def test_files_and_words(tmp_path: Path) -> None:
     assert picture.closing(table) == "macro-model against full model in 8 of 8 directions: -2.0 to -2.0 %"
     axes = envelopes(table, SCENE, outcome.cases).axes
     labels = axes[0].get_legend_handles_labels()[1]
+    alone = Capacity(SCENE, plan.Request((1e6,)), table.assign(mesh_error_pct=np.nan), None, ())
+    shown = picture.table_of(alone)
+    assert {row[shown.columns.index("mesh error [%]")] for row in shown.rows} == {"-"}
+    assert shown.note.endswith("'-': of one mesh, not known.")
     lines = ["full model, characteristic strength", "macro-model, characteristic strength"]
     assert labels == [*lines, "load cases", "load cases of another V"]  # the panel is at 1 MN, that case at 2 MN
     drawn = {str(line.get_label()): line for line in axes[0].get_lines()}
