@@ -212,4 +212,5 @@ def _table(answer: answers.Answer, source: Source, name: str | None) -> Any:
     command = html.Code(command_line(["design", place, name or ""]))
     of_file = "" if isinstance(source, RunSource) else ", with springs.nc of the download"
     closing = html.P(f"{load_cases.closing(answer.cases)}{more}")
-    return [closing, html.Table([head, body]), html.P(["The same in a terminal", of_file, ": ", command])]
+    notes = [html.P(f"note: {text}") for text in answer.cases.attrs["notes"]]
+    return [closing, *notes, html.Table([head, body]), html.P(["The same in a terminal", of_file, ": ", command])]

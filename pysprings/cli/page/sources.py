@@ -99,7 +99,9 @@ class RunSource:
         return self.read
 
     def facts(self, values: Values) -> list[tuple[str, str]]:
-        """Return caisson and ground of the run."""
+        """Return caisson and ground of the run, and its end where that is not that of its paths."""
+        from pysprings.full_model.run_record import RunRecord
+
         attrs = self.tree.attrs
         lengths = {"D": "outer_diameter_m", "L": "skirt_length_m", "t": "skirt_thickness_m"}
         facts = [(name, f"{float(attrs[key]):.4g} m") for name, key in lengths.items()]
@@ -107,6 +109,8 @@ class RunSource:
             ("drainage", str(attrs["drainage"])),
             ("V of the springs", f"{1e-6 * attrs['vertical_load_N']:.4g} MN"),
         ]
+        record = RunRecord.read(self.place) if self.place.is_dir() else None
+        facts += [("run", "; ".join([record.status, *record.failures]))] if record and not record.complete else []
         strata = self.read.ground.strata if self.read is not None else ()
         return facts + [(f"ground at {each.top:.3g} m", each.name) for each in strata if not each.like]
 

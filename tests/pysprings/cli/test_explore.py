@@ -26,6 +26,7 @@ from pysprings.cli.page.answers import Answer, Asker
 from pysprings.cli.page.sources import AtlasSource, RunSource, Source
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
 from pysprings.results.look import CASE_MARKS
 from pysprings.results.plots import style
@@ -255,6 +256,23 @@ def test_titles_are_texts_and_other_hosts_are_refused(run_folder: Path) -> None:
     assert "&lt;script&gt;alert" in page
     assert '<html lang="en">' in page
     assert client.get("/", headers={"Host": "elsewhere.example"}).status_code == 400  # a name that resolves to here
+
+
+def test_load_cases_have_the_notes_of_design_and_a_run_that_did_not_end_is_named(
+    run_folder: Path, tmp_path: Path
+) -> None:
+    pytest.importorskip("dash")
+    from pysprings.cli.page.page import _table
+
+    source = AtlasSource.of("sand")
+    table = ("cases.csv", f"data:,{base64.b64encode(CASES.encode()).decode()}")
+    shown = str(_table(Asker(source).answer(start(source, H=0.1), table), source, "cases.csv"))
+    assert "note: springs of the atlas sand (88 full models)" in shown
+    folder = Path(shutil.copytree(run_folder, tmp_path / "run"))
+    assert "run" not in dict(RunSource.of(folder).facts({}))
+    record = RunRecord(status=Status.PARTIAL, failures=["path 'push' stopped"])
+    (folder / "run.json").write_text(json.dumps(record.as_dict()), encoding="utf-8")
+    assert dict(RunSource.of(folder).facts({}))["run"] == "partial; path 'push' stopped"
 
 
 def test_the_scene_of_the_download_names_no_table_of_load_cases(run_folder: Path, tmp_path: Path) -> None:
