@@ -202,6 +202,7 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
             _curve(plot, x, values, label)
         else:
             _map(figure, plot, (x, data[chosen[1]]), values, label)
+        _mark_short(plot, _on(data["status"] == SHORT, chosen, data)[0], [data[name] for name in chosen], values)
         plot.set_xlabel(_label(x))
         plot.set_title("\n".join(filter(None, (str(data.attrs["title"]), others))), fontsize=9)
     return figure
@@ -270,6 +271,14 @@ def _curve(plot: Any, x: xr.DataArray, values: xr.DataArray, label: str) -> None
     style = "o" if "case" in values.dims else "o-"
     plot.plot(x.values, values.values, style, ms=4)
     plot.set_ylabel(label)
+
+
+def _mark_short(plot: Any, short: xr.DataArray, axes: list[xr.DataArray], values: xr.DataArray) -> None:
+    """Cross the cases that stopped early: what they show may be less than what is asked for."""
+    if short.any():
+        *places, marks = (each.values for each in xr.broadcast(*[*axes, values][:2], short))
+        plot.plot(*(place[marks] for place in places), "kx", ms=8, label="stopped early")
+        plot.legend(fontsize=8)
 
 
 def _map(figure: Figure, plot: Any, axes: tuple[xr.DataArray, xr.DataArray], values: xr.DataArray, label: str) -> None:

@@ -167,6 +167,19 @@ def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
             draw(data, "K_h")
 
 
+def test_cases_that_stopped_early_are_crossed_in_a_picture(ended):
+    with dataset.open_study(ended.out) as data:
+        assert draw(data, "H_largest:pull", ["mu"]).axes[0].get_legend() is None
+        words = data["status"].values.copy()
+        words[1, 0] = "partial"
+        short = data.load().assign(status=(data["status"].dims, words))
+        for axes in (["mu"], ["mu", "young_modulus"]):
+            (cross,) = (line for line in draw(short, "H_largest:pull", axes).axes[0].lines if line.get_marker() == "x")
+            place = 200.0 if len(axes) > 1 else float(data["H_largest"].sel(path="pull")[1, 0])
+            assert (*cross.get_xdata(), *cross.get_ydata()) == pytest.approx((0.3, place))
+            assert cross.get_label() == "stopped early"
+
+
 def test_axes_of_a_sample_are_coordinates_and_stand_in_a_table_once(ended, tmp_path):
     sampled = study.Study(replace(ended.plan, is_grid=False), tmp_path, ended.hashes, ended.states)
     (tmp_path / "cases").symlink_to(ended.out / "cases")
