@@ -21,7 +21,7 @@ import xarray as xr
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import PyspringsError, refused
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.core.storage import replacing
 from pysprings.core.text import suggestion
 from pysprings.core.units import unit_of
@@ -36,6 +36,7 @@ from pysprings.scene.model import Scene
 from pysprings.scene.sections import Path as ScenePath
 from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
+from pysprings.springs.path_ends import LIMIT_LOAD, MESH_ERROR
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, split
 
@@ -50,6 +51,13 @@ DEPTHS = 8
 STATES = ("u", "w", "rotation", "H", "V", "M")
 ENDS = ("H_tip", "M_tip", "V_tip", "H_lid", "M_lid", "V_lid")
 BY_DEPTH = ("p", "m", "t")
+BY_PATH = {  # unit, value where nothing is known, meaning; of all states of a path
+    "H_largest": ("N", np.nan, "largest |H| of the path"),
+    "M_largest": ("N m", np.nan, "largest |M| of the path"),
+    "reached": ("1", 0.0, "share of its aim that the path reached"),
+    "limit_load": ("1", 0.0, "1 where the path ended at a limit load, so that the largest load is a capacity"),
+    MESH_ERROR: ("%", np.nan, "estimate of the error of the load that the mesh makes"),
+}
 _DRIVEN = {"lateral_displacement": "u", "rotation": "rotation", "vertical_displacement": "w", "lateral_force": "H"}
 
 
@@ -60,17 +68,14 @@ class Measured:
     stiffness : initial stiffness (3, 3) for (u, w, rotation).
     along : (path, share) of STATES and ENDS, by name; NaN where the path ended before.
     by_depth : (path, depth, share) of BY_DEPTH, by name.
-    largest : largest size of H and M by path, of all its states; NaN where nothing is known.
-    reached : share of the aim, by path; limit : 1 where the path ended at a limit load.
+    by_path : (path,) of BY_PATH, by name.
     numbers : one number each: cost, size, error.
     """
 
     stiffness: Array
     along: Mapping[str, Array]
     by_depth: Mapping[str, Array]
-    largest: Mapping[str, Array]
-    reached: Array
-    limit: Array
+    by_path: Mapping[str, Array]
     numbers: Mapping[str, float]
 
 
@@ -83,21 +88,21 @@ def measure(folder: Path, scene: Scene, paths: tuple[str, ...]) -> Measured | No
     n, k, known = len(paths), len(SHARES), {path.name: path for path in scene.load_paths}
     along = {name: np.full((n, k), np.nan) for name in (*STATES, *ENDS)}
     by_depth = {name: np.full((n, DEPTHS, k), np.nan) for name in BY_DEPTH}
-    reached, limit, largest = np.zeros(n), np.zeros(n), {name: np.full(n, np.nan) for name in ("H", "M")}
+    by_path = {name: np.full(n, nothing) for name, (_, nothing, _) in BY_PATH.items()}
     for row, name in enumerate(paths):
         path = springs.paths.get(name)
         if path is None or name not in known or path.n < 2:
             continue
         share = shares_of(path, known[name])
-        reached[row], limit[row] = min(share[-1], 1.0), float(path.end.how == "limit load")
+        found = np.abs(path["H"]).max(), np.abs(path["M"]).max(), min(share[-1], 1.0), path.end.how == LIMIT_LOAD
+        for each, value in zip(BY_PATH, (*found, path.end.mesh_error), strict=True):
+            by_path[each][row] = value
         for each in (*STATES, *ENDS):
             along[each][row] = _resampled(share, path[each])
-        for each, values in largest.items():
-            values[row] = np.abs(path[each]).max()
         _put_depths(path, share, by_depth, row)
     stiffness = springs.stiffness
     matrix = np.full((3, 3), np.nan) if stiffness is None else stiffness
-    return Measured(matrix, along, by_depth, largest, reached, limit, _numbers(folder))
+    return Measured(matrix, along, by_depth, by_path, _numbers(folder))
 
 
 def shares_of(path: SpringPath, asked: ScenePath) -> Array:
@@ -105,7 +110,9 @@ def shares_of(path: SpringPath, asked: ScenePath) -> Array:
     kind = PATH_KINDS[asked.kind]
     aim = getattr(asked, kind.imposed)
     values = path[_DRIVEN[kind.imposed]]
-    if kind.conjugate or aim is None or aim == 0.0:
+    if (along := direction_of_load(path.attrs)) is not None:  # the displacement conjugate to it is imposed
+        values = along[0] * path.u + along[1] * path.rotation
+    if aim is None or aim == 0.0:
         return np.linspace(0.0, 1.0, path.n)
     share = values / aim
     falls = np.flatnonzero(np.diff(share) <= 0.0)
@@ -420,12 +427,8 @@ def _make_variables(data: Any, dims: tuple[str, ...], paths: tuple[str, ...]) ->
         number(name, ("path", "share"), _STATE_UNITS[name])
     for name in BY_DEPTH:
         number(name, ("path", "depth_share", "share"), _STATE_UNITS[name], "both sides and all components together")
-    number("H_largest", ("path",), "N", "largest |H| of the path")
-    number("M_largest", ("path",), "N m", "largest |M| of the path")
-    number("reached", ("path",), "1", "share of its aim that the path reached")
-    number(
-        "limit_load", ("path",), "1", "1 where the path ended at a limit load, so that the largest load is a capacity"
-    )
+    for name, (unit, _, text) in BY_PATH.items():
+        number(name, ("path",), unit, text)
     for name, (_, _, unit) in STIFFNESSES.items():
         number(name, (), unit, "initial stiffness at the lid centre")
     number("stiffness_initial", ("dof", "dof_conjugate"), "N/m, N, N m")
@@ -443,10 +446,8 @@ def _places(study: Study) -> Any:
 
 
 def _put(data: Any, at: tuple[int, ...], found: Measured) -> None:
-    for name, values in (*found.along.items(), *found.by_depth.items()):
+    for name, values in (*found.along.items(), *found.by_depth.items(), *found.by_path.items()):
         data[name][at] = values
-    data["H_largest"][at], data["M_largest"][at] = found.largest["H"], found.largest["M"]
-    data["reached"][at], data["limit_load"][at] = found.reached, found.limit
     data["stiffness_initial"][at] = found.stiffness
     for name, (row, column, _) in STIFFNESSES.items():
         data[name][at] = found.stiffness[DOFS.index(row), DOFS.index(column)]

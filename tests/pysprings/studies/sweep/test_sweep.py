@@ -15,12 +15,13 @@ from dataclasses import replace
 import numpy as np
 import psutil
 import pytest
+import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.words import ESTIMATES
 from pysprings.full_model.compute import compute, run
 from pysprings.springs.checks import open_springs, save_springs
-from pysprings.springs.path import paths_of
+from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.springs import Springs
 from pysprings.studies.sweep import dataset, study, worker
 from pysprings.studies.sweep.dataset import DEPTHS, SHARES, draw, measure, remap, table_of, write_table
@@ -118,7 +119,8 @@ def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path):
     H = Springs.of(open_springs(folder / "springs.nc")).paths["pull"]["H"][-1]
     assert (answer.ended.status, answer.ended.reason) == (DONE, "")
     assert H == paths_of(run(scene))["pull"]["H"][-1] != paths_of(compute(scene).tree)["pull"]["H"][-1]
-    assert measure(folder, scene, ("pull",)).numbers["extrapolated"] == 1.0
+    measured = measure(folder, scene, ("pull",))
+    assert measured.numbers["extrapolated"] == 1.0 and 0.0 < measured.by_path["mesh_error_pct"][0] < 100.0
     assert worker.read_ended(folder) == answer.ended
     worker.write_ended(folder, replace(answer.ended, version="0.1.0"))  # before studies were extrapolated
     assert worker.read_ended(folder) is None
@@ -145,9 +147,20 @@ def test_the_largest_load_of_a_path_that_ends_between_two_shares_is_that_of_its_
     tree["paths/pull"].dataset = path.assign_attrs(end="limit load")
     save_springs(tree, tmp_path / "springs.nc")
     found = measure(tmp_path, ended.plan.scene_of(ended.plan.cases[0]), ("pull",))
-    assert 0.6 < found.reached[0] < 0.7 and found.limit[0] == 1.0
+    assert 0.6 < found.by_path["reached"][0] < 0.7 and found.by_path["limit_load"][0] == 1.0
     assert np.nanmax(found.along["H"]) < 0.97 * float(path["H"][-1])
-    assert found.largest == {name: float(path[name].max()) for name in ("H", "M")}
+    assert {name: found.by_path[f"{name}_largest"][0] for name in "HM"} == {name: path[name].max() for name in "HM"}
+    assert np.isnan(found.by_path["mesh_error_pct"][0])
+
+
+def test_a_probe_has_come_to_its_aim_by_the_displacement_that_is_imposed():
+    """Along a load at 45 degrees u cos + rotation D sin; a probe that stopped half-way had reached 1."""
+    u = np.linspace(0.0, 1e-3, 5)
+    attrs = {"kind": "probe", "load_angle_rad": np.pi / 4, "load_lever_m": 8.0 * np.sin(np.pi / 4)}
+    data = xr.Dataset({"u": ("step", u), "rotation": ("step", u / 8.0), "converged": ("step", np.ones(5))}, attrs=attrs)
+    (asked,) = tiny.scene(paths=({"name": "p", "kind": "probe", "role": "held-back", "load_angle": np.pi / 4,
+                                  "lateral_displacement": 4e-3 * np.sin(np.pi / 4)},)).load_paths  # fmt: skip
+    np.testing.assert_allclose(dataset.shares_of(SpringPath("p", data, 4.0), asked), 500.0 * u)
 
 
 def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
