@@ -14,6 +14,7 @@ from matplotlib.collections import PolyCollection
 
 from pysprings.core.errors import PyspringsError
 from pysprings.core.path_kinds import driven, has_free_head
+from pysprings.core.text import percent
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.parts import converged
 from pysprings.results.plots import style
@@ -168,7 +169,9 @@ def _in_ground(axes: Axes, view: View, scene: Scene) -> None:
     arrow: Any = {"arrowprops": {"arrowstyle": "-|>", "color": style.VERMILLION, "linewidth": 2.2}, "va": "center"}
     words = f"H at {arm:.4g} m" if has_free_head(attrs) else "motion of the lid"
     tip = 0.0 if at < -0.2 * radius else -1.05 * radius  # beside the lid
-    axes.annotate("", (tip, at), (tip - SIZE * radius, at), **arrow)
+    shown = view.path["H" if has_free_head(attrs) else "u"].values[converged(view.path)]
+    along = ((tip, at), (tip - SIZE * radius, at))
+    axes.annotate("", *(along[::-1] if shown.size and shown[-1] < 0.0 else along), **arrow)
     axes.annotate(words, (tip - 0.5 * SIZE * radius, at), (0, 5), textcoords="offset points", ha="center", va="bottom")
     V = float(view.path["V"].values[0]) if "V" in view.path else np.nan
     if np.isfinite(V):
@@ -195,9 +198,9 @@ def _curve(axes: Axes, view: View, kind: str) -> None:
         style.plot_path(axes, data[motion].values * style.MM, data[load].values * factor, converged(data), **look)
     whole = int(good.sum())
     n = min(found.sizes["step"], whole)
-    size, ours = (np.abs(each[load].values[keep][:n]) for each, keep in ((full, good), (found, slice(None))))
-    shown = size > SMALLEST * size.max(initial=0.0)
-    error = f"{100.0 * np.abs(ours[shown] / size[shown] - 1.0).max():.2g} %" if shown.any() else "not known"
+    own, ours = (each[load].values[keep][:n] for each, keep in ((full, good), (found, slice(None))))
+    shown = np.abs(own) > SMALLEST * np.abs(own).max(initial=0.0)
+    error = percent(100.0 * np.abs(ours[shown] / own[shown] - 1.0).max()) if shown.any() else "not known"
     error += f", first {n} of {whole} states alone" * (n < whole)
     axes.set(xlabel=label, ylabel=f"{load} [{unit}{' m' if turns else ''}]")
     axes.set_title(f"largest error of the springs in {load}: {error}")

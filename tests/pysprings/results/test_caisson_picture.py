@@ -3,9 +3,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.core.text import percent
 from pysprings.results.parts import path_data
 from pysprings.results.plots.ground import CAISSON
 from pysprings.results.plots.picture import View
@@ -23,14 +25,25 @@ def view(factor: float) -> View:
     return View(result, None, None, path, {"fan": answer.assign(H=factor * answer["H"])})
 
 
-@pytest.mark.parametrize("factor", [1.03, 0.9])
+@pytest.mark.parametrize("factor", [1.03, 0.9, -0.98])
 def test_load_height_and_error_of_the_springs(factor: float) -> None:
     drawn = CAISSON.draw(view(factor))
     left, right = drawn.axes
     assert {text.get_text() for text in left.texts} >= {"H at 6 m"}
-    assert right.get_title(loc="left") == f"largest error of the springs in H: {100 * abs(factor - 1):.2g} %"
+    assert right.get_title(loc="left") == f"largest error of the springs in H: {percent(100 * abs(factor - 1))}"
     low, high = left.get_ylim()
     assert high < -6.0 < low  # the load is on the picture, depth down
+
+
+def test_the_load_is_drawn_in_its_sense() -> None:
+    pushed, pulled = view(1.0), view(1.0)
+    pulled = replace(pulled, path=-pulled.path.drop_vars("converged").assign(V=-pulled.path["V"]))
+    pulled = replace(
+        pulled, path=pulled.path.assign(converged=pushed.path["converged"]).assign_attrs(pushed.path.attrs)
+    )
+    for each, sign in ((pushed, 1.0), (pulled, -1.0)):
+        arrow = next(text for text in CAISSON.draw(each).axes[0].texts if text.get_text() == "")
+        assert np.sign(arrow.xy[0] - arrow.xyann[0]) == sign
 
 
 def test_springs_that_do_not_follow_the_whole_path_have_no_error_of_it() -> None:
