@@ -89,14 +89,10 @@ def answer_cases(
     })  # fmt: skip
     for name, column in (("u", "u_m"), ("w", "w_m"), ("rotation", "rotation_rad")):
         frame[column] = _values(answers, name, len(cases))
-    limit = tolerated_tilt(springs) if tilt is None else tilt
-    tolerance = np.where(np.isnan(cases.tilt), np.nan if limit is None else limit, cases.tilt)
-    frame["tilt_deg"], frame["tilt_limit_deg"] = np.degrees(frame["rotation_rad"].abs()), np.degrees(tolerance)
-    frame["tilt_used"] = frame["rotation_rad"].abs() / tolerance
     for name, column in (("u_deviation", "u_deviation_m"), ("rotation_deviation", "rotation_deviation_rad")):
         if name in answers:
             frame[column] = answers[name].values
-    frame = pd.concat([frame, _stiffness(answers, frame)], axis=1)
+    frame = pd.concat([_with_tilt(frame, springs, cases, tilt), _stiffness(answers, frame)], axis=1)
     frame["utilisation"] = answers["utilisation"].values
     frame["utilisation_V"] = _values(answers, "utilisation_V", len(cases))
     frame["H_capacity_N"], frame["M_capacity_Nm"] = answers["capacity_H"].values, answers["capacity_M"].values
@@ -180,6 +176,14 @@ def _values(answers: xr.Dataset, name: str, n: int) -> Array:
     """Return a variable by case; NaN where springs from a table do not have it."""
     values: Array = answers[name].values if name in answers else np.full(n, np.nan)
     return values
+
+
+def _with_tilt(frame: pd.DataFrame, springs: AnySprings, cases: LoadCases, tilt: float | None) -> pd.DataFrame:
+    """Return the answers with their tilt, what is tolerated, and the share of it that is used: see `answer_cases`."""
+    limit = tolerated_tilt(springs) if tilt is None else tilt
+    tolerance = np.where(np.isnan(cases.tilt), np.nan if limit is None else limit, cases.tilt)
+    turn = frame["rotation_rad"].abs()
+    return frame.assign(tilt_deg=np.degrees(turn), tilt_limit_deg=np.degrees(tolerance), tilt_used=turn / tolerance)
 
 
 def _stiffness(answers: xr.Dataset, frame: pd.DataFrame) -> pd.DataFrame:
