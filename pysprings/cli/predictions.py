@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from pysprings.cli.support import print_table, refuse, to_stderr
@@ -13,7 +14,7 @@ from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import printable
 from pysprings.core.process import uninterrupted
 from pysprings.core.storage import replacing, write_text
-from pysprings.core.text import json_text, number
+from pysprings.core.text import json_text, number, percent
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
@@ -87,11 +88,16 @@ def print_prediction(states: xr.Dataset) -> None:
     noise = ROUNDING * max(abs(row[name]) for name in LOADS if name in states for row in rows)
     clean = [row | {name: 0.0 for name in LOADS if name in row and abs(row[name]) <= noise} for row in rows]
     print_table(Table.of(filled(COLUMNS if "u" in states else SPACE_COLUMNS, clean), clean))
-    if text := deviations(states):
+    for text in sentences(states):
         print(text)
+
+
+def sentences(states: xr.Dataset) -> list[str]:
+    """Return lines on the last state: deviations, and but for a sequence the error of the mesh and largest loads."""
+    texts = [deviations(states)]
     if states.attrs.get("question") != "sequence":
-        for text in filter(None, (capacity(states), vertical_capacity(states))):
-            print(text)
+        texts += [mesh_error(states), capacity(states), vertical_capacity(states)]
+    return [text for text in texts if text]
 
 
 def deviations(states: xr.Dataset) -> str:
@@ -105,6 +111,27 @@ def deviations(states: xr.Dataset) -> str:
             name, unit = column.head.rstrip("]").split(" [")
             parts.append(f"{name} {column.factor * value:.3g} {unit}{share}")
     return f"standard deviation of the last state: {', '.join(parts)}" if parts else ""
+
+
+def mesh_error(states: xr.Dataset) -> str:
+    """Return a line with the error of the mesh that is estimated of the last load, and of a motion under that load.
+
+    The latter is by the tangent: near the largest load it is a multiple of the former. Empty where none is known.
+    """
+    last = states.isel(step=-1)
+    error = float(last.get("mesh_error_pct", np.nan))
+    if not error > 0.0:
+        return ""
+    text = f"error of the mesh, estimated: load {percent(error)}"
+    if states.attrs.get("control") != "load" or "stiffness" not in last:
+        return text
+    motions, parts = ["u", "rotation"], []
+    tangent = last["stiffness"].sel(dof=motions, dof_conjugate=motions).values
+    changes = np.linalg.lstsq(tangent, [float(last["H"]), float(last["M"])])[0]
+    for name, change in zip(motions, np.abs(changes), strict=True):
+        if (own := abs(float(last[name]))) > 0.0:
+            parts.append(f"{name} {percent(error * change / own)}")
+    return f"{text}; under that load {', '.join(parts)}, by the tangent" if parts else text
 
 
 def capacity(states: xr.Dataset) -> str:

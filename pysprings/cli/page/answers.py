@@ -229,10 +229,7 @@ def remarks(answer: Answer) -> list[tuple[str, str]]:
     marks = [name for name in predictions.MARKS if name in last and last[name].values[-1]]
     said = [("mark", f"marks: {', '.join(marks)}")] if marks else []
     said += [("mark", f"warning: {text}") for text in last.attrs["warnings"]]
-    texts = (predictions.deviations(last), predictions.capacity(last), predictions.vertical_capacity(last))
-    said += [("note", text) for text in texts if text]
-    error = float(last["mesh_error_pct"].values[-1]) if "mesh_error_pct" in last else float("nan")
-    said += [("note", f"error of the mesh on the load: {error:.2g} %")] if np.isfinite(error) else []
+    said += [("note", text) for text in predictions.sentences(last)]
     mesh = last.attrs.get("atlas_mesh")  # one of the remarks
     notes = last.attrs.get("remarks", ())
     said += [("mark" if text == mesh else "note", f"note: {text}") for text in notes]

@@ -7,9 +7,12 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from pysprings.core.text import percent
+from pysprings.macro.predict import predict
 from pysprings.springs.checks import save_springs
 from tests.support import stored, synthetic, vertical
 from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
 
 FAN = (
     synthetic.Path("push", "translation", size=8e-3, steps=8),
@@ -64,3 +67,23 @@ def test_all_that_is_printed() -> None:
         lines += [f"--- {question} (exit code {done.code})", done.out.rstrip("\n"), *done.err.splitlines(), ""]
     about = "predictions with the springs of tests/support/invented_soil.py"
     stored.compare(lines, Path(__file__).parent / "texts" / "predict.txt", about)
+
+
+def test_the_error_of_the_mesh_is_printed_of_load_and_motion() -> None:
+    """Of the motion it is what a load that is off by it changes: a small one, for the tangent. Without one no line."""
+    springs = fan_springs(potential)
+    save_springs(springs, "none.nc")
+    for path in springs["paths"].children.values():
+        path.attrs["mesh_error_pct"] = 3.0
+    save_springs(springs, "known.nc")
+    question = "--H", "700kN", "--arm", "2m"
+    lines = command("predict", "known.nc", *question).out.splitlines()
+    plain, more = (predict(springs, H=H, arm=2.0) for H in (7e5, 7e5 * (1.0 + 1e-4)))
+    shares = [3e4 * (float(more[name]) / float(plain[name]) - 1.0) for name in ("u", "rotation")]
+    assert min(shares) > 3.5  # springs that soften
+    u, rotation = map(percent, shares)
+    assert lines[3] == (
+        f"error of the mesh, estimated: load 3 %; under that load u {u}, rotation {rotation}, by the tangent"
+    )
+    assert command("predict", "known.nc", "--u", "3mm").out.splitlines()[3] == "error of the mesh, estimated: load 3 %"
+    assert "mesh" not in command("predict", "none.nc", *question).out
