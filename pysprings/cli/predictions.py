@@ -18,6 +18,7 @@ from pysprings.core.text import json_text, number, percent
 from pysprings.core.words import NOT_KNOWN, RANGE_END
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
+SOLVED = 1e-6  # a V below it is what the solver leaves of zero: that of springs is met to its tolerance
 
 MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded",
          "linear_twist", "torsion_apart", "unchecked")  # fmt: skip
@@ -85,8 +86,9 @@ def _csv(states: xr.Dataset) -> str:
 def print_prediction(states: xr.Dataset) -> None:
     """Print states (dimension step) as a table in mm, deg, kN and kN m, with their marks; rounding errors are 0."""
     rows = prediction(states)["states"]
-    noise = ROUNDING * max(abs(row[name]) for name in LOADS if name in states for row in rows)
-    clean = [row | {name: 0.0 for name in LOADS if name in row and abs(row[name]) <= noise} for row in rows]
+    largest = max(abs(row[name]) for name in LOADS if name in states for row in rows)
+    noise = dict.fromkeys(LOADS, ROUNDING * largest) | {"V": SOLVED * largest}
+    clean = [row | {name: 0.0 for name in LOADS if name in row and abs(row[name]) <= noise[name]} for row in rows]
     print_table(Table.of(filled(COLUMNS if "u" in states else SPACE_COLUMNS, clean), clean))
     for text in sentences(states):
         print(text)
@@ -104,12 +106,13 @@ def deviations(states: xr.Dataset) -> str:
     """Return a line with the standard deviations of the last state on springs of an atlas; empty on other springs."""
     parts = []
     for column in COLUMNS:
-        known = f"{column.source}_deviation"
-        if known in states and (value := float(states[known].values[-1])) > 0.0:
-            size = abs(float(states[column.source].values[-1]))
-            share = f" ({100.0 * value / size:.2g} %)" if size > 0.0 else ""
-            name, unit = column.head.rstrip("]").split(" [")
-            parts.append(f"{name} {column.factor * value:.3g} {unit}{share}")
+        if (known := f"{column.source}_deviation") not in states:
+            continue
+        value, size = (abs(float(states[each].values[-1])) for each in (known, column.source))
+        name, unit = column.head.rstrip("]").split(" [")
+        if value > ROUNDING * size > 0.0:
+            own = f"{column.factor * value:.3g} {unit} ({100.0 * value / size:.2g} %)"
+            parts.append(f"{name} {own if np.isfinite(value) else 'without a bound'}")
     return f"standard deviation of the last state: {', '.join(parts)}" if parts else ""
 
 

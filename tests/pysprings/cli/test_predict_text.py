@@ -87,3 +87,13 @@ def test_the_error_of_the_mesh_is_printed_of_load_and_motion() -> None:
     )
     assert command("predict", "known.nc", "--u", "3mm").out.splitlines()[3] == "error of the mesh, estimated: load 3 %"
     assert "mesh" not in command("predict", "none.nc", *question).out
+
+
+def test_deviations_are_those_of_motions_that_there_are() -> None:
+    """Under V alone no motion has one; near collapse it has no bound; an imposed motion has none, its load has."""
+    clay = "predict", "--atlas", "clay", "--D", "9m", "--L", "6m"
+    lines = [command(*clay, *question.split()).out for question in ("--V 1MN", "--H 1.6MN --arm 9m", "--u 5mm")]
+    assert "standard deviation" not in lines[0]
+    assert "standard deviation of the last state: u without a bound, rotation without a bound\n" in lines[1]
+    assert "standard deviation of the last state: rotation " in lines[2] and "inf" not in "".join(lines)
+    assert lines[1].splitlines()[2].split()[4] == "0"  # V: -0.09 N of the solver's tolerance
