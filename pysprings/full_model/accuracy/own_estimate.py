@@ -81,7 +81,9 @@ def extrapolated(
             harmonics = None if richer is None else _beside(path, more.get(name))
         except NotAlike as error:
             without[name] = str(error)
-        tree[f"paths/{name}/{variables.EXTRAPOLATED}"] = xr.DataTree(_path(path, share, cells, harmonics))
+        better = _path(path, share, cells, harmonics).assign_attrs(meshes="two")
+        tree[f"paths/{name}"].attrs["meshes"] = f"one; '{variables.EXTRAPOLATED}' has what {MESH_ERROR} is of"
+        tree[f"paths/{name}/{variables.EXTRAPOLATED}"] = xr.DataTree(better)
     return tree, not_alike, without
 
 

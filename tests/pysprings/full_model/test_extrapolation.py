@@ -234,6 +234,8 @@ def test_files_have_the_extrapolated_values_and_the_full_model_both(tmp_path: Pa
     assert float(table["H_N"].iloc[-1]) == pytest.approx(float(better["H"][-1]), rel=1e-9)
     springs = paths_of(read_tree(tmp_path / "out" / "springs.nc"))["pull"]
     np.testing.assert_array_equal(springs["p"], better["p"])
+    meshes = [each.attrs["meshes"] for each in (own.recorded, better.recorded, springs.recorded)]
+    assert meshes == ["one; 'extrapolated' has what mesh_error_pct is of", "two", "two"]
 
 
 def runs_to(out: Path, word: str, **given: Any) -> dict[str, Any]:
