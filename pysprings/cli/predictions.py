@@ -15,10 +15,9 @@ from pysprings.core.errors import printable
 from pysprings.core.process import uninterrupted
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import json_text, number, percent
-from pysprings.core.words import NOT_KNOWN, RANGE_END
+from pysprings.core.words import NOT_KNOWN, RANGE_END, SOLVED
 
 ROUNDING = 1e-9  # loads below this share of the largest are rounding errors of zero
-SOLVED = 1e-6  # a V below it is what the solver leaves of zero: that of springs is met to its tolerance
 
 MARKS = ("beyond_end", "extrapolated", "off_path", "turned_back", "off_load", "off_rate", "past_peak", "unbounded",
          "linear_twist", "torsion_apart", "unchecked")  # fmt: skip

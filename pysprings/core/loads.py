@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.text import with_prefix
+from pysprings.core.words import SOLVED
 
 ROUNDING = 1e-6  # share of a moment up to which its part across the plane of H is rounding of angles
 
@@ -54,7 +55,6 @@ def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Ar
 
 SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one
 NO_LOAD = 1.0  # or by this [N]
-_ROUNDED = 1e-5  # loads below this share of the other one are what the solver has left of zero
 CLOSE_LOAD = 0.1  # vertical loads whose lateral springs are one, over the larger
 _KEPT = 1.0 - CLOSE_LOAD * (1.0 - 1e-9)  # a little closer, for rounding
 
@@ -121,6 +121,6 @@ def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:
 
 def loads_in_words(H: float, M: float) -> str:
     """Return words for a load H [N], M [N m]; what rounding has left of zero is 0."""
-    least = max(_ROUNDED * max(abs(H), abs(M)), NO_LOAD)
+    least = max(SOLVED * max(abs(H), abs(M)), NO_LOAD)
     force, moment = (0.0 if abs(x) < least else x for x in (H, M))
     return f"H = {with_prefix(force, 'N')} with M = {with_prefix(moment, 'N m')}"

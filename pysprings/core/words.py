@@ -62,3 +62,4 @@ class Diagnosis:
 
 
 TILTS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine, over its life and after installation with it
+SOLVED = 1e-5  # share of the largest load that the tolerance of the solver leaves of zero

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from pysprings.core.words import StopReason
+from pysprings.core.words import SOLVED, StopReason
 from pysprings.core.written import WRITING, is_unfinished
 
 if TYPE_CHECKING:
@@ -139,7 +139,6 @@ class CutBack(_Part):
 
 
 _VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are rounding
-_ROUNDING = 1e-5  # share of the largest load that the tolerance of the solver leaves of zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +174,7 @@ class LimitLoad(_Part):
         if self.is_vertical:
             return f"V = {1e-3 * self.V_N:.5g} kN at w = {1e3 * self.w_m:.4g} mm ({self.criterion})"
         loads = (self.H_N, self.M_Nm, self.V_N)
-        H, M, V = (1e-3 * load if abs(load) > _ROUNDING * max(map(abs, loads)) else 0.0 for load in loads)
+        H, M, V = (1e-3 * load if abs(load) > SOLVED * max(map(abs, loads)) else 0.0 for load in loads)
         return (
             f"H = {H:.5g} kN, M = {M:.5g} kN m, V = {V:.5g} kN "
             f"at u = {1e3 * self.u_m:.4g} mm, rotation = {math.degrees(self.rotation_rad) + 0.0:.4g} deg "

@@ -29,7 +29,7 @@ from pysprings.core.arrays import Array, Integers, Marks, Texts
 from pysprings.core.loads import close_loads, fewest_loads, nearest, same_load
 from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
-from pysprings.core.words import NOT_KNOWN, RANGE_END
+from pysprings.core.words import NOT_KNOWN, RANGE_END, SOLVED
 from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.vertical import covered, share_left
@@ -43,7 +43,6 @@ STEPS = 24
 BISECTIONS = 24
 LONGER = 3  # times a way is made four times as long where it stays within the range
 ROUNDING = 1e-9  # share by which a load falls from its peak
-MET = 1e-5  # share of the load that springs carry by which V of a path is off: tolerance of the solver
 ONE_WAY = 1e-12  # angles are rounded to it [rad]: loads in proportion have one way
 
 FULL_LIMIT, SPRING_LIMIT = "limit load of the full model", "limit load of the springs"
@@ -114,7 +113,7 @@ def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Ca
         out.kind[loaded[rows]], out.source[loaded[rows]] = FULL_LIMIT, f"path '{each.path}' {each.words}"
     none = largest <= 0.0  # no load is known that far
     if down is not None:
-        down = np.where(np.abs(down - own) > MET * model.table.load_scale[0], down, own)
+        down = np.where(np.abs(down - own) > SOLVED * model.table.load_scale[0], down, own)
         beyond = vertical_use(model, down)["utilisation_V"] > 1.0 + SLACK
         left = _left(model, down, own)
         largest *= np.nan_to_num(left, nan=1.0)

@@ -21,7 +21,7 @@ import xarray as xr
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import RecordedPath, SpringPath
 from pysprings.springs.path_ends import RESIDUAL
 
 # Relative errors leave out states below this share of the largest displacement (or rotation) of the path.
@@ -59,7 +59,7 @@ def abscissa(path: SpringPath) -> Array:
     return np.abs(x) + path.length * np.abs(path.rotation) if path.bends else x
 
 
-def carried(path: SpringPath) -> set[str]:
+def carried(path: RecordedPath) -> set[str]:
     """Return which of H and M a path has; not what the iteration leaves of one beside the other."""
     arms = {label: arm for label, arm in (("H", path.length), ("M", 1.0)) if label in path}
     sizes = {label: arm * float(np.abs(path[label]).max(initial=0.0)) for label, arm in arms.items()}

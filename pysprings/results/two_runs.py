@@ -12,9 +12,10 @@ from pysprings.core.arrays import Array
 from pysprings.core.text import number, percent
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.full_model.run_record import RunRecord
+from pysprings.macro.measures import carried
 from pysprings.results.parts import node
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
-from pysprings.springs.path_ends import RESIDUAL, before_cavitation, end_of
+from pysprings.springs.path_ends import before_cavitation, end_of
 
 POINTS = 200  # of the range that both paths have, where their loads are compared
 
@@ -130,10 +131,8 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
 
     What the iteration leaves of H beside M, or of M beside H, is no load.
     """
-    driver, load, arms = a.rules.drives, a.rules.load, {"H": a.length, "M": 1.0}
-    sizes = {name: [arm * float(np.abs(each[name]).max()) for each in (a, b)] for name, arm in arms.items()}
-    least = RESIDUAL * max(*sizes["H"], *sizes["M"])
-    if load == "H" and min(sizes["H"]) <= least:
+    driver, load, loads = a.rules.drives, a.rules.load, [carried(each) for each in (a, b)]
+    if load == "H" and not all("H" in each for each in loads):
         load = "M"
     end = min(float(moved(each[driver])[-1]) for each in (a, b))
     at = f"at {driver} = {in_words(np.copysign(end, farthest(a[driver])), driver)}"
@@ -143,14 +142,14 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
     for quantity in quantities:
         unit, factor = LOAD_UNITS[quantity]
         values = [factor * float(np.interp(end, *curve(each.dataset, driver, quantity))) for each in (a, b)]
-        nothing = factor * least / arms[quantity] if quantity in arms else 0.0
-        values = [value if abs(value) > nothing else 0.0 for value in values]
+        if quantity in ("H", "M"):
+            values = [value * (quantity in each) for value, each in zip(values, loads, strict=True)]
         yield _row(part, f"{quantity} {at} [{unit}]", *values)
     ways = [_way_come(each, a.length) for each in (a, b)]
     grid = np.linspace(0.0, min(way[-1] for way in ways), POINTS)
-    loads = [np.interp(grid, *growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True)]
-    if (size := float(np.abs(loads[0]).max())) and min(sizes.get(load, [np.inf])) > least:
-        share = 100.0 * float(np.abs(loads[1] - loads[0]).max()) / size
+    one, other = (np.interp(grid, *growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True))
+    if (size := float(np.abs(one).max())) and (load == "V" or all(load in each for each in loads)):
+        share = 100.0 * float(np.abs(other - one).max()) / size
         yield Row(part, f"largest difference of {load}, in % of the largest", "", number(share, 3))
 
 

@@ -222,7 +222,10 @@ def _with_mesh_error(
     Near the largest load a small error of the load is a multiple of it in the motion.
     """
     error = frame["mesh_error_pct"].to_numpy()
-    rows = np.flatnonzero((error > 0.0) & (frame["answered"] == 1) & cases.lateral & ~cases.aside)
+    used, growing = frame["utilisation"].to_numpy(), frame["capacity_kind"].to_numpy() == RANGE_END
+    over = (used <= 1.0) & (used * (1.0 + 0.01 * error) > 1.0) & ~growing  # loads in proportion
+    plane = (error > 0.0) & (frame["answered"] == 1) & cases.lateral & ~cases.aside
+    rows = np.flatnonzero(plane & (over | (frame["tilt_used"] <= 1.0)))
     if not rows.size:
         return frame
     larger = cases.loads[rows] * (1.0 + 0.01 * error[rows, None])
@@ -230,12 +233,11 @@ def _with_mesh_error(
     out = frame.copy()
     for k, row in enumerate(rows):
         turn, limit = abs(np.degrees(float(more["rotation"].values[k]))), float(out["tilt_limit_deg"][row])
-        far = out["utilisation"][row] <= 1.0 < more["utilisation"].values[k]
         texts = [f"tilt {number(turn, 3)} deg, not tolerated"] * bool(out["tilt_deg"][row] <= limit < turn)
-        texts += ["overloaded"] * bool(far and more["capacity_kind"].values[k] != RANGE_END)
+        texts += ["overloaded"] * bool(over[row])
         if texts:
-            said = f"at loads {number(error[row], 2)} % larger, the error of the mesh: {', '.join(texts)}"
-            out.loc[row, "marks"] = "; ".join(filter(None, [out["marks"][row], said]))
+            words = f"at loads {number(error[row], 2)} % larger, the error of the mesh: {', '.join(texts)}"
+            out.loc[row, "marks"] = "; ".join(filter(None, [out["marks"][row], words]))
     return out
 
 

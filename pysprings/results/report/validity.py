@@ -12,7 +12,7 @@ import xarray as xr
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, with_prefix
-from pysprings.core.words import TILTS
+from pysprings.core.words import SOLVED, TILTS
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.two_mesh import LEFT
 from pysprings.full_model.run_record import PathFigures, RunRecord
@@ -336,7 +336,7 @@ def _clean(path: Any, key: str, step: int, factor: float) -> str:
     alike = [name for name in ("H", "V", "M") if name in path] if key[0] in "HVM" else ["u", "w", "rotation"]
     largest = max(float(np.abs(path[name].values).max(initial=0.0)) for name in alike if name in path)
     value = float(path[key][step])
-    least = (1e-5 if key[0] in "HVM" else 1e-9) * largest
+    least = (SOLVED if key[0] in "HVM" else 1e-9) * largest
     return number(0.0 if abs(value) < least else value * factor, 4)
 
 

@@ -215,7 +215,7 @@ def test_load_cases_of_another_vertical_load_are_grey(run_folder: Path) -> None:
 
 
 def test_the_largest_loads_have_the_vertical_load_that_they_are_at(run_folder: Path) -> None:
-    """Those of springs at 2 MN stand for 2.1 MN, not for 3 MN, where `predict` says so, too."""
+    """Those of springs at 2 MN stand for 2.1 MN, not for 3 MN; `predict` has the same words."""
     source = RunSource.of(run_folder)
     titles = []
     for V in (None, 2.1, 3.0):
