@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Values of a scene that are right one by one but not together."""
 
+import math
 from collections.abc import Iterator
 
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import CALIBRATION, LOADS, MEMORY, MOTIONS, PATH_KINDS, UNITS
 from pysprings.core.units import quoted, show
 from pysprings.scene import layers
@@ -38,7 +40,8 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _viscous(scene.solver, scene.caisson)
     if scene.drainage.mode == "coupled":
         yield from _pace(scene.springs)
-    yield from _load_paths(scene)
+    twice = [*_twice(scene.springs, scene.caisson)]
+    yield from twice or _load_paths(scene)
     yield from space_clashes(scene)
     yield from _changing_loads(scene)
     yield from design_clashes(scene.design)
@@ -225,6 +228,19 @@ def _load_paths(scene: SceneSections) -> Iterator[Clash]:
 def _pace(springs: Springs) -> Iterator[Clash]:
     if springs.reach is not None and not springs.rates:
         yield Clash((("springs", "rates"), _REACH), 'drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]')
+
+
+def _twice(springs: Springs, caisson: Caisson) -> Iterator[Clash]:
+    """Refuse a ray, a rate or a vertical load that the fan has already: its paths would run twice."""
+    rest = () if isinstance(caisson.vertical_load, str) else (caisson.vertical_load,)
+    for name, unit, before in (("rays", "deg", ()), ("rates", "mm/s", ()), ("vertical_loads", "MN", rest)):
+        values = *before, *getattr(springs, name)
+        for k, value in enumerate(values):
+            earlier = [other for other in values[:k] if (same_load if unit == "MN" else math.isclose)(value, other)]
+            if earlier:
+                keys = ("springs", name, k - len(before)), ("springs", name)
+                of = " (that of [caisson] counts)" if before else ""
+                yield Clash(keys, f"{show(value, unit)} is given twice{of}: its paths would run twice")
 
 
 def _times(paths: tuple[Path, ...]) -> Iterator[Clash]:

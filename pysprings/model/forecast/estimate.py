@@ -27,12 +27,13 @@ MOST_NAMED = 5  # load cases of a warning
 
 
 def profile(scene: Scene) -> list[dict[str, Any]]:
-    """Return a row for top and bottom of each layer, in SI; adhesion factors where the interface has adhesion."""
+    """Return a row for top and bottom of each layer, in SI; adhesion factors where they act."""
     rows, ground = [], scene.ground
     for stratum in ground.strata:
         for depth in (stratum.top, stratum.bottom):
             row = stratum.row(depth)
-            if uses_adhesion(scene) and stratum.top <= scene.caisson.skirt_length:
+            adheres = stratum.top <= scene.caisson.skirt_length and float(stratum.strength(np.array(depth))) > 0.0
+            if uses_adhesion(scene) and adheres:
                 for side in ("outside", "inside"):
                     factor = adhesion_factor(scene.interface, stratum, side, np.array(depth))
                     row[f"adhesion_factor_{side}"] = float(factor)

@@ -63,6 +63,10 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         # a fan
         ('[springs]\nreach = "20 mm"\nvertical_loads = ["2 MN", "2 m"]\n',
          '3:27: springs.vertical_loads[1]: "2 m" is a length; expected a force such as "4 MN"'),
+        ('[caisson]\nvertical_load = "2 MN"\n[springs]\nreach = "20 mm"\nvertical_loads = ["3 MN", "2000.1 kN"]\n',
+         "5:27: springs.vertical_loads[1]: 2.0001 MN is given twice (that of [caisson] counts): its paths would run twice"),
+        ('[springs]\nreach = "20 mm"\nrays = ["10 deg", "0 deg", "10 deg"]\n',
+         "3:28: springs.rays[2]: 10 deg is given twice: its paths would run twice"),
         ('[springs]\nreach = "20 mm"\n[drainage]\nmode = "coupled"\n',
          '2:9: springs.rates: drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]'),
         # a series
