@@ -44,27 +44,23 @@ def macro_against_full(full: xr.Dataset, curves: Mapping[str, xr.Dataset]) -> Fi
         The full model's path: u [m], H [N] (M [N m] on a rotation path), rotation [rad], all by step.
     curves
         Predictions by spring set (``"fan"``, ``"full"``, ``"py"``, or any name), with the same variables by step; with
-        ``u_at_load`` [m] the displacement error at equal load is drawn, too. A free head shows its point of rotation.
+        ``u_at_load`` [m] the displacement error at equal load is drawn, too. A free head shows its point of rotation;
+        where motions are imposed the other load stands beside.
     """
-    rotates = driven(full.attrs) == "rotation"
-    load = "M" if rotates else "H"
-    driver, label = ("rotation", "rotation [mrad]") if rotates else ("u", "lateral displacement u of the lid [mm]")
-    answer, reply = ("u", "u [mm]") if rotates else ("rotation", "rotation [mrad]")
-    free = PATH_KINDS[full.attrs["kind"]].free_head
+    kind = PATH_KINDS[full.attrs["kind"]]
+    driver, load, free = driven(full.attrs), kind.load, kind.free_head
+    label = "rotation [mrad]" if driver == "rotation" else "lateral displacement u of the lid [mm]"
     figure = style.new_figure(9.6, 8.6 if free else 4.8)
     left, right, *below = figure.subplots(2 if free else 1, 2).ravel()
-    factor, unit = unit_text(full[load].values)
-    sides = ((left, load, factor), (right, answer, style.MM if answer == "u" else style.MRAD))
-    for axes, name, scale in sides:
-        _draw(axes, full, curves, driver, name, scale)
-        axes.set_xlabel(label)
+    for axes, name in ((left, load), (right, kind.companion or load)):
+        factor, unit = (style.MRAD, "mrad") if name == "rotation" else unit_text(full[name].values)
+        _draw(axes, full, curves, driver, name, factor)
+        axes.set(xlabel=label, ylabel=f"{name} [{unit}{' m' * (name == 'M')}]")
         if np.nanmin(full[driver].values) >= 0:
             axes.set_xlim(left=0)
         style.zero_lines(axes)
-    left.set_ylabel(f"{load} [{unit}{' m' if rotates else ''}]")
-    right.set_ylabel(reply)
     left.set_title("Load")
-    right.set_title("Motion that comes with it")
+    right.set_title("Motion that comes with it" if kind.companion == "rotation" else "Load that comes with it")
     if free:
         _draw_error_at_load(below[0], full, curves)
         _draw_point(below[1], full, curves)

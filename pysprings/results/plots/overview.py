@@ -18,6 +18,8 @@ from pysprings.results.plots.picture import Picture
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MARGIN, before_cavitation
 
+SMALLEST = 1e-9  # m or rad: a smaller motion is none
+
 
 class LateralPath(NamedTuple):
     """A path that moves the caisson sideways, with the colour that it has in all pictures of its run."""
@@ -45,11 +47,11 @@ def _until(tree: xr.DataTree) -> str:
 
 
 def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y: tuple[str, float]) -> None:
-    """Draw a variable of each path against another, (name, factor) each; held-back paths are dashed.
+    """Draw a variable of each path that moves in it against another, (name, factor) each; held-back paths are dashed.
 
     The names of the paths are the labels of the lines.
     """
-    for name, path, colour in paths:
+    for name, path, colour in (each for each in paths if np.ptp(each.data[x[0]].values) > SMALLEST):
         line = "--" if path.attrs.get("role") == "held-back" else "-"
         across, up = path[x[0]].values * x[1], path[y[0]].values * y[1]
         style.plot_path(
@@ -62,21 +64,22 @@ def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y
 def overview(tree: xr.DataTree) -> Figure:
     """Draw H [MN] against u [mm], and M [MN m] against rotation [deg], of all lateral paths of a result or springs."""
     paths = lateral_paths(tree)
-    figure = style.new_figure(9.6, 4.4)
+    figure = style.new_figure(9.6, 4.8)
     left, right = figure.subplots(1, 2)
-    draw_paths(left, [each for each in paths if np.ptp(each.data["u"].values) > 0], ("u", style.MM), ("H", style.MN))
+    draw_paths(left, paths, ("u", style.MM), ("H", style.MN))
     left.set(xlabel="lateral displacement u of the lid centre [mm]", ylabel="H [MN]", title="Load")
-    draw_paths(
-        right,
-        [each for each in paths if np.ptp(each.data["rotation"].values) > 0],
-        ("rotation", style.DEG),
-        ("M", style.MN),
-    )
+    draw_paths(right, paths, ("rotation", style.DEG), ("M", style.MN))
     right.set(xlabel="rotation [deg]", ylabel="M about the lid centre [MN m]", title="Moment")
     style.set_title(figure, "All lateral paths (dashed: held back)", settings(tree), _until(tree))
-    for axes in (left, right):
-        style.legend_beside(axes, 8.0)
+    _name_below(figure)
     return figure
+
+
+def _name_below(figure: Figure) -> None:
+    """Name the curves of all panels below them, once."""
+    lines = {str(line.get_label()): line for axes in figure.axes for line in axes.get_lines()}
+    named = {name: line for name, line in lines.items() if not name.startswith("_")}
+    figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=5, fontsize=8)
 
 
 PICTURE = Picture(
@@ -152,9 +155,6 @@ TILT = Picture(
 )
 
 
-SMALLEST = 1e-9  # m or rad: a smaller motion has no secant
-
-
 @style.styled
 def secant_stiffness(tree: xr.DataTree) -> Figure:
     """Draw H/u [MN/m] against u/D, and M/rotation [MN m/rad] against rotation [rad], of all lateral paths.
@@ -173,9 +173,7 @@ def secant_stiffness(tree: xr.DataTree) -> Figure:
     draw_secant(right, tree, "M", "rotation", 1.0, least)
     right.set(xlabel="rotation [rad]", ylabel="M / rotation [MN m/rad]", title="Rotation")
     style.set_title(figure, "Secant stiffness against motion (dashed: held back)", settings(tree), _until(tree))
-    lines = {str(line.get_label()): line for axes in (left, right) for line in axes.get_lines()}
-    named = {name: line for name, line in lines.items() if not name.startswith("_")}
-    figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=5, fontsize=8)
+    _name_below(figure)
     return figure
 
 

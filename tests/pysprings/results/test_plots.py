@@ -468,8 +468,16 @@ def test_macro_shows_displacement_at_equal_load_and_the_point_of_rotation(pull: 
     np.testing.assert_allclose(point[1].get_ydata()[good], 0.5 * point[0].get_ydata()[good])
     low, high = figure.axes[3].get_ylim()
     assert low > high  # depth downwards
-    pushed = plots.macro_against_full(pull.assign_attrs(kind="translation"), {"py": softer})
-    assert len(pushed.axes) == 2
+    # where motions are imposed the other load is what the springs answer, not u or rotation, which are given
+    stiffer = {"py": pull.assign(M=1.5 * pull["M"], H=1.2 * pull["H"])}
+    for kind, load, other, driver in (("translation", "H", "M", "u"), ("rotation", "M", "H", "rotation")):
+        pushed = plots.macro_against_full(pull.assign_attrs(kind=kind), stiffer)
+        assert len(pushed.axes) == 2
+        for axes, name in zip(pushed.axes, (load, other), strict=True):
+            known, own = axes.lines[:2]
+            np.testing.assert_allclose(known.get_xdata(), 1e3 * pull[driver])
+            np.testing.assert_allclose(own.get_ydata(), {"M": 1.5, "H": 1.2}[name] * known.get_ydata())
+            assert axes.get_ylabel().split(" ")[0] == name
 
 
 @pytest.fixture
@@ -775,6 +783,18 @@ def test_a_moment_that_is_rounding_has_no_secant() -> None:
     left, right = (axes.get_lines() for axes in plots.secant_stiffness(tree).axes)
     assert {str(line.get_label()) for line in left} >= {"pull"}
     assert {str(line.get_label()) for line in right} & {"pull", "turn"} == {"turn"}
+
+
+def test_the_names_of_many_paths_stand_below_and_a_motion_of_rounding_is_not_drawn() -> None:
+    """Forty paths, one of them a rotation whose u is what the solver leaves of 0."""
+    tree = synthetic.make_result((*(synthetic.Path(f"pull_{k}", steps=3) for k in range(40)), ROTATION))
+    tree["paths/turn"]["u"] = 1e-18 * tree["paths/turn"]["rotation"]
+    figure = plots.overview(tree)
+    assert ["turn" in {str(line.get_label()) for line in axes.get_lines()} for axes in figure.axes] == [False, True]
+    figure.draw_without_rendering()
+    (names,) = figure.legends
+    assert len(names.get_texts()) == 41
+    assert not any(names.get_window_extent().overlaps(axes.get_tightbbox()) for axes in figure.axes)
 
 
 def test_a_path_that_turns_back_has_the_secants_of_its_largest_motion_so_far() -> None:

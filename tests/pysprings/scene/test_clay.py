@@ -293,8 +293,9 @@ def test_check_prints_strength_and_adhesion_by_depth():
     sand = profile(tiny.paper())[0]
     assert "adhesion_factor_outside" not in sand
     over_clay = '[[soil.layer]]\ntop = "0 m"\nlaw = "drucker-prager"\n[[soil.layer]]\ntop = "0.5 m"\nlaw = "tresca"\n'
-    both = profile(tiny.parsed('[interface]\nadhesion_factor = 0.5\n[soil]\nundrained_shear_strength = "9 kPa"\n' + over_clay))
-    assert [row.get("adhesion_factor_inside") for row in both[:3]] == [None, None, 0.5]  # sand without cohesion has none
+    head = '[interface]\nadhesion_factor = 0.5\n[soil]\nundrained_shear_strength = "9 kPa"\n'
+    both = profile(tiny.parsed(head + over_clay))  # sand without cohesion has none
+    assert [row.get("adhesion_factor_inside") for row in both[:3]] == [None, None, 0.5]
 
 
 @pytest.mark.parametrize(
