@@ -92,7 +92,8 @@ def answer_cases(
     for name, column in (("u_deviation", "u_deviation_m"), ("rotation_deviation", "rotation_deviation_rad")):
         if name in answers:
             frame[column] = answers[name].values
-    frame = pd.concat([_with_tilt(frame, springs, cases, tilt), _stiffness(answers, frame)], axis=1)
+    turn = frame["rotation_rad"].abs().to_numpy()
+    frame = pd.concat([with_tilt(frame, turn, springs, cases, tilt), _stiffness(answers, frame)], axis=1)
     frame["utilisation"] = answers["utilisation"].values
     frame["utilisation_V"] = _values(answers, "utilisation_V", len(cases))
     frame["H_capacity_N"], frame["M_capacity_Nm"] = answers["capacity_H"].values, answers["capacity_M"].values
@@ -178,11 +179,12 @@ def _values(answers: xr.Dataset, name: str, n: int) -> Array:
     return values
 
 
-def _with_tilt(frame: pd.DataFrame, springs: AnySprings, cases: LoadCases, tilt: float | None) -> pd.DataFrame:
-    """Return the answers with their tilt, what is tolerated, and the share of it that is used: see `answer_cases`."""
+def with_tilt(
+    frame: pd.DataFrame, turn: Array, springs: AnySprings, cases: LoadCases, tilt: float | None
+) -> pd.DataFrame:
+    """Return the answers with their tilt (n,) [rad], what is tolerated, and the share that is used: `answer_cases`."""
     limit = tolerated_tilt(springs) if tilt is None else tilt
     tolerance = np.where(np.isnan(cases.tilt), np.nan if limit is None else limit, cases.tilt)
-    turn = frame["rotation_rad"].abs()
     return frame.assign(tilt_deg=np.degrees(turn), tilt_limit_deg=np.degrees(tolerance), tilt_used=turn / tolerance)
 
 
@@ -217,15 +219,19 @@ def _marks(answers: xr.Dataset, frame: pd.DataFrame) -> list[str]:
 def _with_mesh_error(
     frame: pd.DataFrame, springs: AnySprings, cases: LoadCases, extrapolate: bool, choice: dict[str, Any]
 ) -> pd.DataFrame:
-    """Return the answers with marks of cases in one plane that are met, but not at loads larger by the mesh's error.
+    """Return the answers with marks of cases that are met, but not at loads larger by the mesh's error.
 
-    Near the largest load a small error of the load is a multiple of it in the motion.
+    Of V alone, and of loads in one plane. Near the largest load a small error of the load is a multiple of it in the
+    motion.
     """
     error = frame["mesh_error_pct"].to_numpy()
-    used, growing = frame["utilisation"].to_numpy(), frame["capacity_kind"].to_numpy() == RANGE_END
-    over = (used <= 1.0) & (used * (1.0 + 0.01 * error) > 1.0) & ~growing  # loads in proportion
-    plane = (error > 0.0) & (frame["answered"] == 1) & cases.lateral & ~cases.aside
-    rows = np.flatnonzero(plane & (over | (frame["tilt_used"] <= 1.0)))
+    used, kind = (
+        np.where(cases.lateral, frame[lateral], frame[vertical])
+        for lateral, vertical in (("utilisation", "utilisation_V"), ("capacity_kind", "capacity_V_kind"))
+    )
+    over = (used <= 1.0) & (used * (1.0 + 0.01 * error) > 1.0) & (kind != RANGE_END)  # loads in proportion
+    plane = (error > 0.0) & (frame["answered"] == 1) & ~cases.aside
+    rows = np.flatnonzero(plane & (over | (cases.lateral & (frame["tilt_used"] <= 1.0))))
     if not rows.size:
         return frame
     larger = cases.loads[rows] * (1.0 + 0.01 * error[rows, None])
@@ -233,12 +239,21 @@ def _with_mesh_error(
     out = frame.copy()
     for k, row in enumerate(rows):
         turn, limit = abs(np.degrees(float(more["rotation"].values[k]))), float(out["tilt_limit_deg"][row])
-        texts = [f"tilt {number(turn, 3)} deg, not tolerated"] * bool(out["tilt_deg"][row] <= limit < turn)
+        texts = [not_tolerated(turn)] * bool(out["tilt_deg"][row] <= limit < turn)
         texts += ["overloaded"] * bool(over[row])
-        if texts:
-            words = f"at loads {number(error[row], 2)} % larger, the error of the mesh: {', '.join(texts)}"
-            out.loc[row, "marks"] = "; ".join(filter(None, [out["marks"][row], words]))
+        out.loc[row, "marks"] = with_larger(out["marks"][row], error[row], texts)
     return out
+
+
+def not_tolerated(turn: float) -> str:
+    """Return words on a tilt [deg] at larger loads."""
+    return f"tilt {number(turn, 3)} deg, not tolerated"
+
+
+def with_larger(marks: str, error: float, texts: list[str]) -> str:
+    """Return marks with texts on what happens at loads that are larger by the error of the mesh [%]."""
+    words = f"at loads {number(error, 2)} % larger, the error of the mesh: {', '.join(texts)}"
+    return "; ".join(filter(None, [marks, words * bool(texts)]))
 
 
 def _with_sets(

@@ -15,9 +15,10 @@ motions of one frame is
 
     f_i <- f_i + K_i (B_i q - d_i),   (sum B_i^T K_i B_i) q = F - sum B_i^T (f_i - K_i d_i),
 
-d_i = B_i q the motions above; loads are in equilibrium after each whole step. A torsion is shared as forces across the
-arm of each, T r_i/sum r^2. Left out: bending of the caissons across the plane, the twist of the frame, and interaction
-through the soil, whose size in an elastic half-space is stated (`Group.interaction`).
+d_i = B_i q the motions above; loads are in equilibrium after each whole step. A torsion, and that of H beside the
+middle of its shares, is shared as forces across the arm of each, T r_i/sum r^2. Left out: bending of the caissons
+across the plane, the twist of the frame, and interaction through the soil, whose size in an elastic half-space is
+stated (`Group.interaction`).
 """
 
 from dataclasses import dataclass, replace
@@ -37,7 +38,7 @@ from pysprings.core.text import number
 from pysprings.core.units import quoted
 from pysprings.macro.batch import answer_loads
 from pysprings.macro.model import AnySprings
-from pysprings.studies.design import answer_cases, verdicts
+from pysprings.studies.design import answer_cases, not_tolerated, verdicts, with_larger, with_tilt
 
 COLUMNS = (
     Column("bucket", TEXT, ("name", "caisson", "leg")), Column.named("x_m", ("east",)), Column.named("y_m", ("north",)),
@@ -46,6 +47,7 @@ LEAST, NARROW = 3, 0.2  # caissons of a group, and its width over its length
 MOST = 30  # Newton iterations of one share of a case
 CLOSE = 1e-6  # of the largest motion: differences of the caissons' motions from those of the frame
 LEAST_STEP = 1.0 / 64.0  # share of a case
+LEAST_TORSION = 0.01  # of forces times their arms: less is left
 _HALVINGS = 6
 _MOTIONS = ("u", "w", "rotation")
 
@@ -128,13 +130,17 @@ def answer_group(
     failed = np.array([why for *_, why in found])
     rows = np.repeat(np.arange(len(cases)), len(group.name))
     every = _of_buckets(cases, group, [loads for loads, *_ in found])
-    frame = answer_cases(springs, every, tilt, extrapolate, **choice)
+    own = replace(every, tilt=np.full(len(every), np.nan))  # the tilt that counts is that of the frame
+    frame = answer_cases(springs, own, np.nan, extrapolate, **choice)
     motions, lost = np.stack([q for _, q, _ in found])[rows], (failed != "")[rows]
     motions[lost] = np.nan
     frame = frame.assign(group_u_m=motions[:, 0], group_w_m=motions[:, 1], group_rotation_rad=motions[:, 2])
     turn = np.hypot(motions[:, 2], motions[:, 3])
-    frame = frame.assign(group_roll_rad=motions[:, 3], group_tilt_deg=np.degrees(turn), tilt_deg=np.degrees(turn))
-    frame["tilt_used"] = turn / np.radians(frame["tilt_limit_deg"])
+    frame = frame.assign(group_roll_rad=motions[:, 3], group_tilt_deg=np.degrees(turn))
+    frame = with_tilt(frame, turn, springs, every, tilt)
+    frame["marks"] = _with_mesh_error(
+        frame, cases, lambda larger, k: _shared(springs, larger, k, group, extrapolate, choice)
+    )
     kept = ("direction_deg", "tilt_limit_deg")
     frame.loc[lost, [name for name in frame if frame[name].dtype.kind == "f" and name not in kept]] = np.nan
     frame.loc[lost, ["answered", "capacity_kind"]] = 0, ""
@@ -143,6 +149,21 @@ def answer_group(
     frame = frame.assign(verdict=verdicts(frame))
     frame.attrs["group"] = _words(group, D)
     return frame
+
+
+def _with_mesh_error(frame: pd.DataFrame, cases: LoadCases, shared: Any) -> list[str]:
+    """Return the marks of rows, and of tilts of the frame not tolerated at H and M larger by the error of the mesh."""
+    marks = []
+    for k, (_, rows) in enumerate(frame.groupby(np.arange(len(frame)) // (len(frame) // len(cases)))):
+        error, limit = float(rows["mesh_error_pct"].max()), float(rows["tilt_limit_deg"].iloc[0])
+        texts = []
+        if error > 0.0 and (rows["tilt_used"] <= 1.0).all():
+            more = {name: (1.0 + 0.01 * error) * getattr(cases, name) for name in ("H", "M", "across")}
+            _, q, lost = shared(replace(cases, **more), k)
+            turn = float(np.degrees(np.hypot(q[2], q[3])))
+            texts = [lost] if lost else [not_tolerated(turn)] * (turn > limit)
+        marks += [with_larger(own, error, texts) for own in rows["marks"]]
+    return marks
 
 
 def _without_opposed(remarks: str) -> str:
@@ -175,7 +196,8 @@ def _of_buckets(cases: LoadCases, group: Group, loads: list[Array]) -> LoadCases
     )
     force = H[:, None] * along + np.repeat(cases.torsion - turning, m)[:, None] * around
     planes = in_plane(force, M[:, None] * along)
-    turned = np.repeat(cases.torsion != 0.0, m)
+    least = LEAST_TORSION * np.abs(H * np.tile(np.hypot(*group.at.T), n)).reshape(n, m).sum(axis=1)
+    turned = np.repeat((cases.torsion != 0.0) | (np.abs(turning) > least), m)
     H, M, across = (np.where(turned, a, b) for a, b in ((planes.H, H), (planes.M, M), (planes.across, 0.0 * H)))
     return replace(
         cases,
