@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import HELD_BACK
@@ -153,7 +154,7 @@ def _family(
         f"forces of the translation lower by {lost:.2g} %, their moment about the lid changed by "
         f"{_largest(lever @ (r - given), lever @ given):+.2g} %"
     )  # fmt: skip
-    return rows, [f"corrected on the safe side, sum of the {text} at most: {there}"]
+    return rows, [f"corrected on the safe side, sum of the {text} of the largest at most: {there}"]
 
 
 def _largest(change: Array, whole: Array) -> float:
@@ -270,4 +271,7 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
             data[quantity] = ("point", rows[0]) if place else (("depth", "point"), np.array(rows))
     slices = frame[frame["family"] == "py"].drop_duplicates("depth_m").sort_values("depth_m")
     coords = {name: ("depth", slices[f"{name}_m"].to_numpy()) for name in ("depth", "depth_top", "depth_bottom")}
-    return xr.Dataset(data, coords, {"remarks": head})
+    found = variables.attach(xr.Dataset(data, coords, {"remarks": head}), "springs_path")
+    for name in found.variables:  # of tip and lid, top and bottom of slices
+        found[name].attrs = found[name].attrs or {"units": found[str(name).partition("_")[0]].attrs["units"]}
+    return found

@@ -112,7 +112,7 @@ def test_what_is_corrected_and_the_vertical_load_stand_in_the_head() -> None:
     rows, _, corrected = beam.rows_of(Springs.of(make_springs(PATHS)), None)
     (line,) = corrected
     assert re.match(
-        r"corrected on the safe side, sum of the moments of the rotation lower by [\d.]+ % at most: m at", line
+        r"corrected on the safe side, sum of the moments of the rotation lower by [\d.]+ % of the largest at most: m at", line
     )
     assert all((np.diff(row.r) >= 0.0).all() for row in rows) and f"# {line}" in text()
     heavy = exporters.text(vertical_springs(heavier=(6e6,)), "beam", V=6e6)
@@ -231,6 +231,10 @@ def test_the_curves_as_arrays_are_those_of_the_table() -> None:
         for column, values in zip((moves, reacts), arrays, strict=True):
             np.testing.assert_allclose(values.values[np.isfinite(values.values)], own[column], rtol=1e-6)
     np.testing.assert_allclose(found["depth_bottom"] - found["depth_top"], [0.85, 0.9, 1.15, 1.1])
+    units = {"y": "m", "p": "N m-1", "rotation": "radian", "m": "N m m-1", "H": "N", "M": "N m", "depth": "m"}
+    assert {str(name): each.attrs["units"] for name, each in found.variables.items()} == {
+        str(name): units[str(name).partition("_")[0]] for name in found.variables
+    }
     assert len(pysprings.beam(tree, points=7)["point"]) == 7
     with pytest.raises(UserInputError, match="not on the skirt"):
         pysprings.beam(tree, [0.5, 9.0])
