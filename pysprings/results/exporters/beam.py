@@ -272,6 +272,6 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
     slices = frame[frame["family"] == "py"].drop_duplicates("depth_m").sort_values("depth_m")
     coords = {name: ("depth", slices[f"{name}_m"].to_numpy()) for name in ("depth", "depth_top", "depth_bottom")}
     found = variables.attach(xr.Dataset(data, coords, {"remarks": head}), "springs_path")
-    for name in found.variables:  # of tip and lid, top and bottom of slices
-        found[name].attrs = found[name].attrs or {"units": found[str(name).partition("_")[0]].attrs["units"]}
+    for each in found.variables:  # of tip and lid, top and bottom of slices
+        found[each].attrs = found[each].attrs or {"units": found[str(each).partition("_")[0]].attrs["units"]}
     return found

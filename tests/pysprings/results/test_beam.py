@@ -112,7 +112,7 @@ def test_what_is_corrected_and_the_vertical_load_stand_in_the_head() -> None:
     rows, _, corrected = beam.rows_of(Springs.of(make_springs(PATHS)), None)
     (line,) = corrected
     assert re.match(
-        r"corrected on the safe side, sum of the moments of the rotation lower by [\d.]+ % of the largest at most: m at",
+        r"corrected on the safe side, sum of the moments of the rotation lower by [\d.]+ % of the largest at most: m",
         line,
     )
     assert all((np.diff(row.r) >= 0.0).all() for row in rows) and f"# {line}" in text()
