@@ -114,7 +114,7 @@ def shares_of(path: SpringPath, asked: ScenePath) -> Array:
         values = along[0] * path.u + along[1] * path.rotation
     if aim is None or aim == 0.0:
         return np.linspace(0.0, 1.0, path.n)
-    share = values / aim
+    share = (values - values[0]) / aim  # w starts at the settlement under the dead load
     falls = np.flatnonzero(np.diff(share) <= 0.0)
     grown: Array = share[: falls[0] + 1] if falls.size else share
     return grown

@@ -163,6 +163,17 @@ def test_a_probe_has_come_to_its_aim_by_the_displacement_that_is_imposed():
     np.testing.assert_allclose(dataset.shares_of(SpringPath("p", data, 4.0), asked), 500.0 * u)
 
 
+@pytest.mark.parametrize("aim", [0.02, -0.02])
+def test_a_vertical_path_starts_at_its_settlement_under_the_dead_load(aim):
+    """w of springs is that of the full model, 3 mm at rest; the aim is the way from there."""
+    share = np.linspace(0.0, 1.0, 5)
+    data = xr.Dataset(
+        {"w": ("step", 3e-3 + aim * share), "converged": ("step", np.ones(5))}, attrs={"kind": "vertical"}
+    )
+    (asked,) = tiny.scene(paths=({"name": "p", "kind": "vertical", "vertical_displacement": aim},)).load_paths
+    np.testing.assert_allclose(dataset.shares_of(SpringPath("p", data, 4.0), asked), share, atol=1e-12)
+
+
 def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
     import openpyxl
 
