@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.arrays import Array
+from pysprings.core.loads import same_load
 from pysprings.core.text import number, percent
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.full_model.run_record import RunRecord
@@ -112,6 +113,8 @@ def _paths(first: Run, second: Run) -> Iterator[Row]:
         yield Row(f"path {name}", "not compared", kinds[0].get(name, "-"), kinds[1].get(name, "-"))
     for name in common:
         a, b = (paths_of(each.result)[name] for each in (first, second))
+        if not same_load(a.load, b.load):
+            yield _row(f"path {name}", "V at its start [kN]", 1e-3 * a.load, 1e-3 * b.load)
         yield from _along(f"path {name}", a, b)
         yield Row(f"path {name}", "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
         one, other = (end_of(name, before_cavitation(each.dataset)) for each in (a, b))

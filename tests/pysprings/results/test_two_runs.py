@@ -65,6 +65,16 @@ def test_what_goes_up_has_its_sign_and_what_is_not_compared_is_named(folders: tu
     assert [made["path alone: not compared"][each] for each in ("first", "second")] == ["-", "pull"]
 
 
+def test_paths_of_one_name_at_different_vertical_loads_are_marked(folders: tuple[Path, Path]) -> None:
+    """`ray_0_load_1` is the first of the vertical loads, whatever they are in each run."""
+    first, changed = (open_result(folders[0]) for _ in range(2))
+    changed["paths/pull"]["V"].values += 1e6
+    load = 1e-3 * float(first["paths/pull"]["V"][0])
+    found = differences(*(Run(name, tree, RunRecord()) for name, tree in (("a", first), ("b", changed))))
+    (row,) = [row for row in found if row.quantity == "V at its start [kN]"]
+    assert row.part == "path pull" and row.change == pytest.approx(100e3 / load)
+
+
 def test_a_difference_on_the_way_back_counts(folders: tuple[Path, Path]) -> None:
     """Of two runs that are alike but for the last load of a path that turns back: that load is the difference."""
     first, changed = (open_result(folders[0]) for _ in range(2))
