@@ -11,7 +11,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
-from pysprings.core.loads import same_loads
+from pysprings.core.loads import NO_LOAD, same_loads
 from pysprings.macro.capacity import past_ends
 from pysprings.macro.model import MacroModel
 from pysprings.macro.response import Between, Support
@@ -158,18 +158,23 @@ def _where_known(support: Support, turned: Turns, off: Marks) -> dict[str, Array
 def _mesh_errors(model: MacroModel, states: Array, V: Array | None) -> dict[str, Array]:
     """Return the error of the mesh by step: the largest of the paths beside each state; nothing where none has one.
 
-    Where a vertical load V (n,) [N] alone acts it is that of the vertical path in its direction.
+    Where a vertical load V (n,) [N] alone acts it is that of the vertical path in its direction: of a path it is a
+    share of the change of V, here of V.
     """
     known = {name: end.mesh_error for name, end in model.ends.items()}
     if not np.isfinite(list(known.values())).any():
         return {}
-    beside = model.response.paths_at(states)
+    errors = np.array(
+        [max((known[name] for name in names), default=np.nan) for names in model.response.paths_at(states)]
+    )
     if V is not None and model.vertical is not None:
         rest = model.vertical.rest[1]
         for k in np.flatnonzero(~states.any(axis=1) & ~same_loads(V, rest)):
-            branch = model.vertical.branch(V[k] - rest)
-            beside[k] = [] if branch is None else [branch.path]
-    return {MESH_ERROR: np.array([max((known[name] for name in names), default=np.nan) for names in beside])}
+            branch, errors[k] = model.vertical.branch(V[k] - rest), np.nan
+            if branch is not None:
+                change, size = abs(branch.largest - rest), max(abs(branch.largest), abs(V[k]), NO_LOAD)
+                errors[k] = known[branch.path] * change / size
+    return {MESH_ERROR: errors}
 
 
 def _attributes(

@@ -52,13 +52,18 @@ def test_pure_vertical_load_is_met_on_the_path(name):
 
 
 def test_the_error_of_the_mesh_is_that_of_the_path_that_carries_the_load():
-    """Of V alone that of the vertical path in its direction, of a lateral load under any V that of the rays beside."""
+    """Of V alone that of the vertical path in its direction, of a lateral load under any V that of the rays beside.
+
+    Of a path it is a share of the change of V, which has no dead load in it; of V it is a share of the largest one.
+    """
     tree = vertical_springs()
     for name, error in (("slide", 1.0), ("turn", 2.0), ("down", 4.0), ("up", 8.0)):
         tree[f"paths/{name}"].attrs["mesh_error_pct"] = error
-    H, V = np.array([0.0, 0.0, 1e4, 1e4]), REST + np.array([1e5, -1e5, 1e5, 0.0])
-    assert predict_batch(tree, H=H, V=V)["mesh_error_pct"].values.tolist() == [4.0, 8.0, 2.0, 2.0]
-    assert way_to_load(tree, V=float(V[0]))["mesh_error_pct"].values[-1] == 4.0
+    H, V = np.array([0.0, 0.0, 1e4, 1e4, 0.0]), np.append(REST + np.array([1e5, -1e5, 1e5, 0.0]), -0.5e6)
+    down, up = (down_curve(np.array(w)) for w in (1e-2, -1e-2))
+    expected = [4.0 * down / (down + REST), 8.0 * -up / V[1], 2.0, 2.0, 8.0 * up / (up + REST)]
+    np.testing.assert_allclose(predict_batch(tree, H=H, V=V)["mesh_error_pct"], expected)
+    assert way_to_load(tree, V=float(V[0]))["mesh_error_pct"].values[-1] == pytest.approx(expected[0])
 
 
 def test_between_the_recorded_states_it_is_the_curve():

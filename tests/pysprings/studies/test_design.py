@@ -108,8 +108,8 @@ def test_what_the_error_of_the_mesh_turns_is_not_ok(cases: Path) -> None:
 
 def test_a_pull_alone_that_the_error_of_the_mesh_overloads_is_not_ok(tmp_path) -> None:
     springs = vertical_springs(ends=(1e-2, -0.5))
-    springs["paths/up"].attrs |= {"end": "limit load", "mesh_error_pct": 5.0}
     limit = float(springs["paths/up"]["V"][-1])
+    springs["paths/up"].attrs |= {"end": "limit load", "mesh_error_pct": 5.0 * limit / (limit - REST)}  # of the change
     (tmp_path / "v.csv").write_text(f"V [kN]\n{0.94e-3 * limit}\n{0.97e-3 * limit}\n", encoding="utf-8")
     table = answer_cases(springs, read_load_cases(tmp_path / "v.csv"))
     assert list(table["marks"]) == ["", "at loads 5 % larger, the error of the mesh: overloaded"]
