@@ -52,8 +52,9 @@ STATES = ("u", "w", "rotation", "H", "V", "M")
 ENDS = ("H_tip", "M_tip", "V_tip", "H_lid", "M_lid", "V_lid")
 BY_DEPTH = ("p", "m", "t")
 BY_PATH = {  # unit, value where nothing is known, meaning; of all states of a path
-    "H_largest": ("N", np.nan, "largest |H| of the path"),
-    "M_largest": ("N m", np.nan, "largest |M| of the path"),
+    "H_largest": ("N", np.nan, "largest |H| of the path; of a vertical path none"),
+    "M_largest": ("N m", np.nan, "largest |M| of the path; of a vertical path none"),
+    "V_largest": ("N", np.nan, "of a vertical path: largest V in its direction, positive down"),
     "reached": ("1", 0.0, "share of its aim that the path reached"),
     "limit_load": ("1", 0.0, "1 where the path ended at a limit load, so that the largest load is a capacity"),
     MESH_ERROR: ("%", np.nan, "estimate of the error of the load that the mesh makes"),
@@ -94,7 +95,7 @@ def measure(folder: Path, scene: Scene, paths: tuple[str, ...]) -> Measured | No
         if path is None or name not in known or path.n < 2:
             continue
         share = shares_of(path, known[name])
-        found = np.abs(path["H"]).max(), np.abs(path["M"]).max(), min(share[-1], 1.0), path.end.how == LIMIT_LOAD
+        found = (*_largest(path), min(share[-1], 1.0), path.end.how == LIMIT_LOAD)
         for each, value in zip(BY_PATH, (*found, path.end.mesh_error), strict=True):
             by_path[each][row] = value
         for each in (*STATES, *ENDS):
@@ -103,6 +104,14 @@ def measure(folder: Path, scene: Scene, paths: tuple[str, ...]) -> Measured | No
     stiffness = springs.stiffness
     matrix = np.full((3, 3), np.nan) if stiffness is None else stiffness
     return Measured(matrix, along, by_depth, by_path, _numbers(folder))
+
+
+def _largest(path: SpringPath) -> tuple[float, float, float]:
+    """Return the largest |H| and |M| of a path, and V of a vertical one, in whose H and M is what the solver leaves."""
+    if not path.is_vertical:
+        return np.abs(path["H"]).max(), np.abs(path["M"]).max(), np.nan
+    way = np.sign(path.w[-1] - path.w[0])
+    return np.nan, np.nan, way * (way * path["V"]).max()
 
 
 def shares_of(path: SpringPath, asked: ScenePath) -> Array:

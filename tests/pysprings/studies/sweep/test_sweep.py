@@ -28,6 +28,7 @@ from pysprings.studies.sweep.dataset import DEPTHS, SHARES, draw, measure, remap
 from pysprings.studies.sweep.plan import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
+from tests.support.vertical import vertical_springs
 
 TEXT = """
 title = "two by two"
@@ -161,6 +162,18 @@ def test_a_probe_has_come_to_its_aim_by_the_displacement_that_is_imposed():
     (asked,) = tiny.scene(paths=({"name": "p", "kind": "probe", "role": "held-back", "load_angle": np.pi / 4,
                                   "lateral_displacement": 4e-3 * np.sin(np.pi / 4)},)).load_paths  # fmt: skip
     np.testing.assert_allclose(dataset.shares_of(SpringPath("p", data, 4.0), asked), 500.0 * u)
+
+
+def test_the_largest_load_of_a_vertical_path_is_v(tmp_path):
+    """Not what the solver leaves of H and M; upwards the largest pull, not V at rest."""
+    tree = vertical_springs()
+    save_springs(tree, tmp_path / "springs.nc")
+    paths = tuple(
+        {"name": name, "kind": "vertical", "vertical_displacement": w} for name, w in (("up", -1e-2), ("down", 1e-2))
+    )
+    found = measure(tmp_path, tiny.scene(paths=paths), ("up", "down")).by_path
+    assert found["V_largest"].tolist() == [float(tree[f"paths/{name}"]["V"][-1]) for name in ("up", "down")]
+    assert found["V_largest"][0] < 0.0 and np.isnan([found["H_largest"], found["M_largest"]]).all()
 
 
 @pytest.mark.parametrize("aim", [0.02, -0.02])
