@@ -125,9 +125,9 @@ def at_equal_load(path: SpringPath, answer: xr.Dataset) -> dict[str, Any]:
 
 
 def distances(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
-    """Return the largest distances [m] of the points of rotation and of w, at equal displacement."""
+    """Return the largest distances [m] of the points of rotation and of the change of w, at equal displacement."""
     n = answer.sizes["step"]
-    w = answer["w"].values - path.w[:n]
+    w = (answer["w"].values - answer["w"].values[:1]) - (path.w[:n] - path.w[:1])
     largest = float(w[np.argmax(np.abs(w))]) if n else np.nan
     return {"rotation_point_error_max_m": _point_error(path, answer, n), "w_error_max_m": largest}
 

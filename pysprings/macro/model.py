@@ -49,8 +49,8 @@ class MacroModel:
     attrs : Attributes of the spring set (geometry, provenance).
     remarks : Sentences that go with every answer.
     vertical : Vertical springs; None where there are none: then w under another V is elastic.
-    settled : What is missing in w [m] of lateral springs that lie between two vertical loads: their settlement is that
-        of the vertical springs.
+    settled : What is missing in w [m] of lateral springs under another vertical load than the vertical ones start
+        at: their settlement is that of the vertical springs, whatever it was where the load was there from the start.
     ends : How the paths of the springs ended, by name.
     elastic_loads : Vertical loads [N] that an elastic vertical stiffness may answer: see `pysprings.macro.capacity`.
     behind : The paths that the lateral springs come from.
@@ -87,10 +87,8 @@ class MacroModel:
         chosen = given if path is not None else given.at(V=V)
         spring_set = choose_set(chosen, springs_kind, path)
         response = spring_set.build(chosen, path)
-        vertical, settled = build_vertical(chosen), 0.0
-        if vertical is not None and chosen.blended_loads is not None:
-            w, load = response.rest
-            settled = vertical.displacement(load)[0] - w
+        vertical = build_vertical(chosen)
+        settled = 0.0 if vertical is None else vertical.lacking(*response.rest)
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}
         rate = _rate_of(chosen, response)

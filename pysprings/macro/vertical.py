@@ -134,6 +134,15 @@ class VerticalTable:
         _, slopes = branch.at(x)
         return w0 + branch.sign * x, branch.sign * float(slopes[-1]), x / float(branch.x[-1])
 
+    def lacking(self, w: float, V: float) -> float:
+        """Return what w [m] of lateral springs at rest under V [N] lacks to that of these springs.
+
+        0 at their own rest, and in a direction that is not known.
+        """
+        if same_load(V, self.rest[1]) or self.branch(V - self.rest[1]) is None:
+            return 0.0
+        return self.displacement(V)[0] - w
+
     def displacements(self, V: Array) -> Array:
         """Return what `displacement` does of each V (n,) [N], (3, n)."""
         values, place = np.unique(V, return_inverse=True)

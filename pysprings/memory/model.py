@@ -160,12 +160,9 @@ class MemorySprings(FanSprings):
 
     def settled(self, vertical: VerticalTable | None, V: float | Array | None, between: float) -> float:
         """Return what w [m] at rest lacks to that of the vertical springs, at the first of V [N]: see `Response`."""
-        changing = self.under(V)
-        if vertical is None or changing is None:
+        if vertical is None or self.under(V) is None:
             return between
-        w, load = self.rest_under(V)
-        recorded = any(same_load(load, each) for each in changing.loads)
-        return 0.0 if recorded else float(vertical.displacement(load)[0]) - w
+        return vertical.lacking(*self.rest_under(V))
 
     def along(
         self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float

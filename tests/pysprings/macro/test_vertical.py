@@ -189,6 +189,15 @@ def test_at_and_beyond_the_loads_of_the_sets():
     np.testing.assert_allclose(beyond["w"] - own["w"], settles[0] - settles[1], rtol=1e-9)
 
 
+def test_w_does_not_jump_at_the_loads_of_the_sets():
+    """Rays under 6 MN from the start have a settlement of their own; at rest that of the vertical path counts."""
+    tree, V = vertical_springs(heavier=(6e6,)), 1e6 * np.array([5.9, 5.99, 6.0, 6.01, 6.2])
+    for name in ("slide_6", "turn_6"):
+        tree[f"paths/{name}"]["w"].values += 5e-4
+    w = build_vertical(Springs.of(tree)).displacements(V)[0]
+    np.testing.assert_allclose(predict_batch(tree, H=0.0, V=V)["w"], w, rtol=1e-9)
+
+
 def test_a_lonely_path_at_another_load_is_no_set():
     tree = vertical_springs(heavier=(6e6,))
     kept = {f"/paths/{name}": path.dataset.copy() for name, path in paths_of(tree).items() if name != "turn_6"}
