@@ -152,9 +152,9 @@ OUTCOMES = (CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED)
 class Outcome:
     """How a case ended.
 
-    ``outcome`` is one of OUTCOMES, ``detail`` the warning, the named reason, or the message of the refusal. ``u_mm``
-    and ``H_kN`` are the end of what converged. Imbalances are relative to the largest term of the energy, and to the
-    water that has moved; ``condition`` is an estimate from below.
+    ``outcome`` is one of OUTCOMES, ``detail`` the warning, the named reason, or the message of the refusal. ``u_mm``,
+    ``H_kN``, ``w_mm`` and ``V_kN`` (down) are the end of what converged. Imbalances are relative to the largest
+    term of the energy, and to the water that has moved; ``condition`` is an estimate from below.
     """
 
     group: str
@@ -164,6 +164,8 @@ class Outcome:
     detail: str = ""
     u_mm: float | None = None
     H_kN: float | None = None
+    w_mm: float | None = None
+    V_kN: float | None = None
     increments: int = 0
     cut_backs: int = 0
     median_iterations: float | None = None
@@ -283,8 +285,8 @@ def _figures(record: RunRecord) -> dict[str, Any]:
     figures: dict[str, Any] = {"condition": solver.condition_estimate, "factorisations": solver.factorisations}
     for path in record.paths.values():
         figures |= {
-            "u_mm": 1e3 * path.end["u"],
-            "H_kN": 1e-3 * path.end["H"],
+            **{f"{name}_mm": 1e3 * path.end[name] for name in "uw"},
+            **{f"{name}_kN": 1e-3 * path.end[name] for name in "HV"},
             "increments": path.increments,
             "cut_backs": path.cut_backs,
             "median_iterations": path.median_iterations,
@@ -301,6 +303,8 @@ COLUMNS = (
     Column("outcome", "outcome", words=True),
     Column("u [mm]", "u_mm", ".2f"),
     Column("H [kN]", "H_kN", ",.0f"),
+    Column("w [mm]", "w_mm", ".2f"),
+    Column("V [kN]", "V_kN", ",.0f"),
     Column("increments", "increments", "d"),
     Column("cut", "cut_backs", "d"),
     Column("median", "median_iterations", ".0f"),

@@ -142,6 +142,14 @@ def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> 
     assert (tmp_path / "stability.png").stat().st_size > 10_000
 
 
+def test_a_case_that_is_pulled_out_ends_at_its_w_and_v() -> None:
+    """Beside u and H, which are 0 there: pulled by 0.2 m, it hangs on its skirt."""
+    (case,) = stability.cases_named(["clay-pull-out"])
+    ended = stability.run_case(case, refinement=0.4)
+    assert (ended.outcome, ended.H_kN) == ("converged", pytest.approx(0.0, abs=1.0))
+    assert ended.w_mm == pytest.approx(-200.0, abs=5.0) and ended.V_kN < -100.0
+
+
 @pytest.mark.slow
 def test_cases_in_worker_processes_are_the_same_in_the_same_order() -> None:
     cases, reported = stability.cases_named(["soft", "K0-3", "paper"]), []
