@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Answers out of one plane: sequences of loads or motions in six degrees of freedom, and their errors.
 
-Springs with memory that were calibrated on a circle and a twist, beside planar paths, answer them
+Springs with memory that were calibrated on paths out of one plane, beside planar ones, answer them
 (`[springs] memory = true, directions = true`); the other spring sets hold for one plane.
 """
 

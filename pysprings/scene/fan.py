@@ -2,7 +2,7 @@
 """The fan of load paths that a scene asks for by its reach."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
 from typing import Any
 
@@ -25,8 +25,11 @@ _SHARE = 0.5  # of the reach: vertical paths and held-back pulls
 REVERSED = (0, 30, 50)
 CHANGING = 0.12  # over the reach: ends of rays on which V changes
 TURNS = (0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4)
-# Out of one plane, over the reach: radius of the circle, ends of the twist at the wall, and the elbow that is held back
-CIRCLE, TWIST, ELBOW = 0.25, (0.12, -0.12, 0.4, -0.4, 1.0), (0.25, 0.5)
+# Out of one plane, over the reach: radius of the circle, ends of the twist at the wall, and legs with their directions
+# [deg] of the bow tie, and of the walk that is held back: what one way round shows says little of turning back
+CIRCLE, TWIST = 0.25, (0.12, -0.12, 0.4, -0.4, 1.0)
+BOW = ((0.45, 30), (0.45, 270), (0.9, 150), (0.45, 270), (0.45, 30))
+WALK = ((0.25, 0), (0.5, 90), (0.75, 225), (0.5, 315), (0.35, 80))
 MOST_TWIST = 0.5  # rad
 
 
@@ -47,22 +50,24 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
 
 
 def space_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
-    """Return the paths of a fan that leave one plane: a circle and a twist, and an elbow that is held back."""
+    """Return the paths of a fan that leave one plane: a circle, a bow tie, a twist, and a walk that is held back."""
     if springs.reach is None or not springs.directions:
         return ()
     wall = min(springs.reach / (0.5 * caisson.outer_diameter), MOST_TWIST)
     twist = {"name": "twist", "kind": "twist", "twist": TWIST[0] * wall, "role": MEMORY}
     twist["then"] = tuple(Then(end * wall) for end in TWIST[1:])
-    parts: list[dict[str, Any]] = [
-        {"name": "circle", "kind": "circle", "radius": CIRCLE * springs.reach, "role": MEMORY}, twist,
-    ]  # fmt: skip
+    circle = {"name": "circle", "kind": "circle", "radius": CIRCLE * springs.reach, "role": MEMORY}
+    parts: list[dict[str, Any]] = [circle, {"name": "bow", "role": MEMORY, **_legs(springs.reach, BOW)}, twist]
     if springs.held_back:
-        first, second = (share * springs.reach for share in ELBOW)
-        across = (Then(second, towards=0.5 * math.pi),)
-        parts.append({
-            "name": "elbow", "kind": _PULL, "lateral_displacement": first, "then": across, "role": "held-back",
-        })  # fmt: skip
+        parts.append({"name": "walk", "role": "held-back", **_legs(springs.reach, WALK)})
     return tuple(Path(**part) for part in parts)
+
+
+def _legs(reach: float, legs: Sequence[tuple[float, float]]) -> dict[str, Any]:
+    """Return the motion of a free-head pull along legs: lengths over the reach, directions [deg]."""
+    (first, angle), *more = ((share * reach, math.radians(degrees)) for share, degrees in legs)
+    then = tuple(Then(length, towards=towards) for length, towards in more)
+    return {"kind": _PULL, "lateral_displacement": first, "direction": angle, "then": then}
 
 
 def ray_angles(springs: Springs) -> tuple[float, ...]:

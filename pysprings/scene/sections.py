@@ -432,7 +432,7 @@ class Springs(Section):
     is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays at each
     vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it, and with `vertical_loads`, without
     `rates`, three more at 12 % while the vertical load changes. `rays` has other directions than these. With
-    `directions` a circle at a quarter of it and a twist leave the plane, and an elbow that is held back.
+    `directions` a circle at a quarter of it, a bow tie, a twist, and a held-back walk of five legs leave the plane.
     """
 
     reach: Annotated[float | None, _REACH] = None
@@ -443,7 +443,7 @@ class Springs(Section):
     held_back: Annotated[bool, Flag("also compute pulls at five heights, on which the springs are only checked")] = True
     memory: Annotated[bool, Flag("also compute rays that turn back, which give the springs a memory")] = False
     directions: Annotated[
-        bool, Flag("also compute a circle and a twist, which give springs with memory all directions")
+        bool, Flag("also compute a circle, a bow tie and a twist, which give springs with memory all directions")
     ] = False
 
 

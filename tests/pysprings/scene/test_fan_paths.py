@@ -3,12 +3,14 @@
 
 from itertools import product
 
+import numpy as np
 import pytest
 
 from pysprings import Scene
 from pysprings.core.errors import UserInputError
 from pysprings.core.path_kinds import MEMORY
 from pysprings.full_model.accuracy.two_mesh import coarser
+from pysprings.model.stages import space_points
 from tests.support import tiny
 
 REACH = 0.02
@@ -53,20 +55,27 @@ def test_rays_turn_back_while_the_vertical_load_changes_where_there_are_several(
         assert not any(then.load for path in scene.load_paths for then in path.then)
 
 
-def test_directions_add_a_circle_a_twist_and_an_elbow_that_leave_the_plane() -> None:
-    """Not among the planar paths; the elbow goes with `held_back`, all with `reach`."""
+def test_directions_add_a_circle_a_bow_a_twist_and_a_walk_that_leave_the_plane() -> None:
+    """Not among the planar paths; the walk goes with `held_back`, all with `reach`."""
     springs = {"reach": REACH, "memory": True, "directions": True}
     scene = tiny.sand(springs=springs)
-    circle, twist, elbow = (path for path in scene.all_paths if path.in_space)
+    circle, bow, twist, walk = (path for path in scene.all_paths if path.in_space)
     assert (circle.kind, circle.radius, circle.role) == ("circle", 0.25 * REACH, MEMORY)
     ends = [twist.twist, *(then.value for then in twist.then)]
     wall = 0.5 * scene.caisson.outer_diameter
     assert [wall * float(end or 0.0) / REACH for end in ends] == pytest.approx([0.12, -0.12, 0.4, -0.4, 1.0])
-    assert (elbow.kind, elbow.role, elbow.then[0].value) == ("pull", "held-back", 0.5 * REACH)
+    assert [(path.kind, path.role) for path in (bow, walk)] == [("pull", MEMORY), ("pull", "held-back")]
+    (held, corners), (_, far) = space_points(bow), space_points(walk)
+    x, y = 0.45 * REACH * np.array([0.75**0.5, 0.5])  # corners at 30 degrees; rotations are free
+    assert held == ("u_x", "u_y")
+    assert corners == pytest.approx(np.array([[x, y], [x, -y], [-x, y], [-x, -y], [0.0, 0.0]]))
+    assert np.linalg.norm(far, axis=1).max() == pytest.approx(0.3125**0.5 * REACH)
+    legs = np.diff(far, axis=0, prepend=0.0)
+    assert (legs[1] @ legs[2] < 0.0) and (legs[0] @ legs[2] < 0.0) and (legs[3] @ legs[4] < 0.0)  # it turns back
     assert not any(path.in_space for path in scene.load_paths)
     assert coarser(scene).all_paths == scene.all_paths  # their errors are estimated
     few = tiny.sand(springs=springs | {"held_back": False})
-    assert [path.name for path in few.all_paths if path.in_space] == ["circle", "twist"]
+    assert [path.name for path in few.all_paths if path.in_space] == ["circle", "bow", "twist"]
     assert tiny.sand(springs={"memory": True, "directions": True}).all_paths == tiny.sand(springs={}).all_paths
 
 
