@@ -34,7 +34,7 @@ CALIBRATED = (
     "--out NEW.nc` writes a file that has them"
 )
 VERSION = 9
-SPACE_VERSION = b"space 2"  # of elements in space
+SPACE_VERSION = b"space 3"  # of elements in space
 CHANGE = f"{MEMORY}_load_change"
 _SPACE = {
     "space_rows": ("space_element", "space_parameter"), "space_p_loads": ("space_depth", "space_load"),

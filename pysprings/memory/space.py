@@ -3,8 +3,8 @@
 
 The planar elements of a calibration (`pysprings.memory.calibration`) are offered again: as round ones with one gauge of
 both planes, and spread over azimuths, a plate, or a gauge, in each of `AZIMUTHS` planes. One non-negative least-squares
-problem of the form of the planar one fits them to the planar ways along x, to the same ways turned by half of the angle
-between two planes, and to the recorded paths that leave the plane.
+problem of the form of the planar one fits them to the planar ways along x, to the recorded paths that leave the plane,
+and to all of them turned by half of the angle between two planes.
 
 Torsion is carried by elements of its own, fitted to a twist: they do not share friction with the lateral ones.
 """
@@ -149,12 +149,13 @@ def _lateral(
 ) -> tuple[Array, float]:
     """Return elements (n, SPACE_COLUMNS) without torsion, and the residual; limits: reach [m], most numbers of state.
 
-    The planar ways count along x, and turned by half of the angle between two planes.
+    All ways count as they are, and turned by half of the angle between two planes.
     """
     (reach, most), half = limits, 0.5 * np.pi / offered.AZIMUTHS
     known = [(way.motions, way.loads(table), way.weights) for way in ways]
     known += [(_turned(motions, half, 5), _turned(loads, half, 4), weights) for motions, loads, weights in known]
-    known += [(way.motions, way.loads[:, :4], way.weights) for way in out]
+    across = [(way.motions, way.loads[:, :4], way.weights) for way in out]
+    known += across + [(_swung(motions, half), _swung(loads, half), weights) for motions, loads, weights in across]
     choice, largest = offered.offered(planar), SUBSTEP * reach
     rows, left, chosen = fitted(choice, known, stiffness, largest)
     choice = choice.chosen(chosen)
@@ -178,6 +179,13 @@ def _turned(values: Array, angle: float, columns: int) -> Array:
     """Return values (n, 2) of one plane as those (n, columns) of a plane at an azimuth [rad]."""
     out = np.zeros((len(values), columns))
     out[:, :2], out[:, 2:4] = np.cos(angle) * values, np.sin(angle) * values
+    return out
+
+
+def _swung(values: Array, angle: float) -> Array:
+    """Return values (n, 4 or 5) of both planes turned about the axis of the caisson by an angle [rad]."""
+    x, y, out = values[:, :2], values[:, 2:4], values.copy()
+    out[:, :2], out[:, 2:4] = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
     return out
 
 
