@@ -355,7 +355,7 @@ def test_elements_of_torsion_have_the_stiffness_of_the_full_model_at_rest() -> N
     assert np.all(rows[:, 12] == 1.0) and not rows[:, 10:12].any()
 
 
-def test_planar_ways_count_along_x_and_turned_by_half_of_the_angle_between_planes(monkeypatch) -> None:
+def test_all_ways_count_as_they_are_and_turned_by_half_of_the_angle_between_planes(monkeypatch) -> None:
     tree, found = space_paths.springs(), []
     springs = Springs.of(tree)
     table = build_fan(springs)
@@ -368,12 +368,17 @@ def test_planar_ways_count_along_x_and_turned_by_half_of_the_angle_between_plane
     monkeypatch.setattr("pysprings.memory.space.fitted", kept)
     with pytest.raises(StopIteration):
         calibrate_in_space(springs, plane, ways, table, np.eye(2))
-    assert len(found) == 2 * len(ways) + 1  # and the circle
+    assert len(found) == 2 * len(ways) + 2  # and the circle
     half = 0.5 * np.pi / AZIMUTHS
-    for (motions, loads, _), (way, push, _) in zip(found, found[len(ways) : -1], strict=False):
+    for (motions, loads, _), (way, push, _) in zip(found[: len(ways)], found[len(ways) : -2], strict=True):
         for one, other in ((motions, way), (loads, push)):
             np.testing.assert_allclose(other[:, :2], np.cos(half) * one)
             np.testing.assert_allclose(other[:, 2:4], np.sin(half) * one)
+    (circle, loads, _), (turned, push, _) = found[-2:]
+    for one, other in ((circle, turned), (loads, push)):
+        found_there = other[:, :2] + 1j * other[:, 2:4]
+        np.testing.assert_allclose(found_there, np.exp(1j * half) * (one[:, :2] + 1j * one[:, 2:4]))
+    np.testing.assert_array_equal(turned[:, 4], circle[:, 4])
 
 
 def test_a_twist_uses_the_range_of_the_twist() -> None:
