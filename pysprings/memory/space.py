@@ -152,10 +152,11 @@ def _lateral(
     All ways count as they are, and turned by half of the angle between two planes.
     """
     (reach, most), half = limits, 0.5 * np.pi / offered.AZIMUTHS
-    known = [(way.motions, way.loads(table), way.weights) for way in ways]
-    known += [(_turned(motions, half, 5), _turned(loads, half, 4), weights) for motions, loads, weights in known]
-    across = [(way.motions, way.loads[:, :4], way.weights) for way in out]
-    known += across + [(_swung(motions, half), _swung(loads, half), weights) for motions, loads, weights in across]
+    known = list[offered.Known]()
+    along = [(way.motions, way.loads(table), way.weights) for way in ways]
+    for same in (along, [(way.motions, way.loads[:, :4], way.weights) for way in out]):
+        known += same
+        known += [(_turned(motions, half, 5), _turned(loads, half, 4), weights) for motions, loads, weights in same]
     choice, largest = offered.offered(planar), SUBSTEP * reach
     rows, left, chosen = fitted(choice, known, stiffness, largest)
     choice = choice.chosen(chosen)
@@ -176,16 +177,11 @@ def errors_of(rows: Array, motions: Array, loads: Array, largest: float) -> tupl
 
 
 def _turned(values: Array, angle: float, columns: int) -> Array:
-    """Return values (n, 2) of one plane as those (n, columns) of a plane at an azimuth [rad]."""
+    """Return values (n, 2) of the plane of x, or those of both, turned about z by an angle [rad]: (n, columns)."""
     out = np.zeros((len(values), columns))
-    out[:, :2], out[:, 2:4] = np.cos(angle) * values, np.sin(angle) * values
-    return out
-
-
-def _swung(values: Array, angle: float) -> Array:
-    """Return values (n, 4 or 5) of both planes turned about the axis of the caisson by an angle [rad]."""
-    x, y, out = values[:, :2], values[:, 2:4], values.copy()
-    out[:, :2], out[:, 2:4] = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
+    out[:, : values.shape[1]] = values
+    x, y, c, s = out[:, :2].copy(), out[:, 2:4].copy(), np.cos(angle), np.sin(angle)
+    out[:, :2], out[:, 2:4] = c * x - s * y, s * x + c * y
     return out
 
 

@@ -233,11 +233,12 @@ def _pace(springs: Springs) -> Iterator[Clash]:
 def _twice(springs: Springs, caisson: Caisson) -> Iterator[Clash]:
     """Refuse a ray, a rate or a vertical load that the fan has already: its paths would run twice."""
     rest = () if isinstance(caisson.vertical_load, str) else (caisson.vertical_load,)
-    for name, unit, before in (("rays", "deg", ()), ("rates", "mm/s", ()), ("vertical_loads", "MN", rest)):
+    lists = (("rays", "deg", math.isclose, ()), ("rates", "mm/s", math.isclose, ()),
+             ("vertical_loads", "MN", same_load, rest))  # fmt: skip
+    for name, unit, same, before in lists:
         values = *before, *getattr(springs, name)
         for k, value in enumerate(values):
-            earlier = [other for other in values[:k] if (same_load if unit == "MN" else math.isclose)(value, other)]
-            if earlier:
+            if any(same(value, other) for other in values[:k]):
                 keys = ("springs", name, k - len(before)), ("springs", name)
                 of = " (that of [caisson] counts)" if before else ""
                 yield Clash(keys, f"{show(value, unit)} is given twice{of}: its paths would run twice")

@@ -26,7 +26,7 @@ REVERSED = (0, 30, 50)
 CHANGING = 0.12  # over the reach: ends of rays on which V changes
 TURNS = (0.12, -0.12, 0.24, -0.24, 0.24, -0.24, 0.4, -0.4, 0.4)
 # Out of one plane, over the reach: radius of the circle, ends of the twist at the wall, and legs with their directions
-# [deg] of the bow tie, and of the walk that is held back: what one way round shows says little of turning back
+# [deg] of the bow tie, and of the walk that is held back: one way round shows little of turning back
 CIRCLE, TWIST = 0.25, (0.12, -0.12, 0.4, -0.4, 1.0)
 BOW = ((0.45, 30), (0.45, 270), (0.9, 150), (0.45, 270), (0.45, 30))
 WALK = ((0.25, 0), (0.5, 90), (0.75, 225), (0.5, 315), (0.35, 80))

@@ -143,7 +143,7 @@ def test_the_command_runs_cases_and_writes_table_and_picture(tmp_path: Path) -> 
 
 
 def test_a_case_that_is_pulled_out_ends_at_its_w_and_v() -> None:
-    """Beside u and H, which are 0 there: pulled by 0.2 m, it hangs on its skirt."""
+    """u and H are 0 there; after a pull of 0.2 m V is the resistance of the skirt."""
     (case,) = stability.cases_named(["clay-pull-out"])
     ended = stability.run_case(case, refinement=0.4)
     assert (ended.outcome, ended.H_kN) == ("converged", pytest.approx(0.0, abs=1.0))
