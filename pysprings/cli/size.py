@@ -51,7 +51,7 @@ def size(
     from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
     from pysprings.studies.atlas.model import open_atlas
-    from pysprings.studies.sizing import Search, Wanted, bounds_of, least_confirmed
+    from pysprings.studies.sizing import Search, Wanted, bounds_of, least_confirmed, remarks_on
 
     given = quantities(
         {"--tilt": (tilt, "rad", "0.25 deg"), "--D-min": (least, "m", "3 m"), "--D-max": (most, "m", "20 m")}
@@ -71,7 +71,7 @@ def size(
     files = _files(search, best, out, formats_of(figures, no_figures, figure_format)) if out else []
     if as_json:
         full = [] if checked is None else checked.to_dict("records")
-        about = {"remarks": _remarks(search, best, confirm), "correction": search.correction}
+        about = {"remarks": remarks_on(search, best, confirm), "correction": search.correction}
         print_json({"best": vars(best), "candidates": len(search.tried), **about, "full_model": full})
         return
     _print(search, best, checked)
@@ -91,29 +91,12 @@ def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -
     return files
 
 
-def _remarks(search: Search, best: Candidate, confirmed: bool) -> list[str]:
-    """Return what is to be remarked on the least caisson: where the atlas ends, its mesh, bounds of load cases."""
-    from pysprings.studies.atlas.springs import mesh_words
-    from pysprings.studies.sizing import EDGE
-
-    cases = search.wanted.cases.bounded(0.5 * best.D)
-    texts = [f"{name}: {remark}" for name, remark in zip(cases.name, cases.notes, strict=True) if remark]
-    if best.governs.startswith(EDGE):
-        texts.append("the atlas ends here, with no smaller diameter or no other L/D: a caisson beyond may do with less")
-    if mesh := mesh_words(search.atlas):
-        texts.append(f"{search.atlas.source}: {mesh}")
-    if confirmed:
-        preset = search.atlas.base.mesh.preset
-        texts.append(
-            f"the full model is on mesh '{preset}', that of the atlas; rotation_mesh_error_pct is its own estimate"
-        )
-    return texts
-
-
 def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
     print_table(Table.of(_LEAST, [vars(best)]))
     print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
-    for text in _remarks(search, best, checked is not None):
+    from pysprings.studies.sizing import remarks_on
+
+    for text in remarks_on(search, best, checked is not None):
         print(f"note: {text}")
     if checked is None:
         print("not confirmed: --confirm runs the full model")

@@ -19,6 +19,7 @@ from pysprings.core.arrays import Integers
 from pysprings.core.errors import RunIncomplete, refused
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
+from pysprings.core.text import with_prefix
 from pysprings.macro.fan_springs import BAND
 from pysprings.results.look import BLUE, GREY, VERMILLION
 from pysprings.scene.changes import Change, vertical_load
@@ -235,12 +236,39 @@ def bounds_of(atlas: Atlas, ratio: tuple[float, float]) -> tuple[float, float]:
     return inside
 
 
+def remarks_on(search: Search, best: Candidate, confirmed: bool) -> list[str]:
+    """Return what is to be remarked on the least caisson: what its cases leave out, where the atlas ends, its mesh."""
+    from pysprings.studies.atlas.springs import mesh_words
+
+    wanted, atlas = search.wanted, search.atlas
+    cases = wanted.cases.bounded(0.5 * best.D)
+    texts = [f"{name}: {remark}" for name, remark in zip(cases.name, cases.notes, strict=True) if remark]
+    for scene, rows in scenes_of(atlas, wanted, best.D, best.L):
+        V = scene.caisson.vertical_load
+        load = V if isinstance(V, str) else with_prefix(V, "N")
+        texts += [f"cases without V are at that of the scene, {load}"] * bool(np.isnan(cases.V[rows[0]]))
+        texts += [f"V {load}: {edge}" for edge in atlas.estimate(scene).outside]
+    alone = ", ".join(name for name, lateral in zip(cases.name, cases.lateral, strict=True) if not lateral)
+    texts += [f"{alone}: no lateral load: an atlas judges no V alone"] * bool(alone)
+    if best.governs.startswith(EDGE):
+        texts.append("the atlas ends here, with no smaller diameter or no other L/D: a caisson beyond may do with less")
+    if mesh := mesh_words(atlas):
+        texts.append(f"{atlas.source}: {mesh}")
+    if confirmed:
+        texts.append(
+            f"the full model confirms the tilt, not the utilisation, on mesh '{atlas.base.mesh.preset}', that of the "
+            "atlas; rotation_mesh_error_pct is its own estimate"
+        )
+    return texts
+
+
 def table_of(tried: Sequence[Candidate]) -> pd.DataFrame:
-    """Return the path of candidates, a row each."""
+    """Return the path of candidates, a row each; `use` is NaN where it is not known, or `UNKNOWN` and more."""
     rows = [
-        {"D_m": c.D, "L_m": c.L, "L_over_D": c.L / c.D, "steel_t": 1e-3 * c.mass, "use": c.use, "governs": c.governs}
+        {"D_m": c.D, "L_m": c.L, "L_over_D": c.L / c.D, "steel_t": 1e-3 * c.mass,
+         "use": c.use if c.answered and c.use < UNKNOWN else np.nan, "governs": c.governs}
         for c in tried
-    ]
+    ]  # fmt: skip
     return pd.DataFrame(rows)
 
 

@@ -27,7 +27,9 @@ from pysprings.studies.sizing import (
     correction_of,
     least_confirmed,
     mass_of,
+    remarks_on,
     scenes_of,
+    table_of,
 )
 
 
@@ -176,3 +178,22 @@ def test_a_value_that_no_diameter_covers_is_named(loaded):
         outside = replace(loaded.wanted, changes=tuple(read_changes([value])))
         with pytest.raises(UserInputError, match=named):
             Search(loaded.atlas, outside).least()
+
+
+def test_remarks_name_the_vertical_load_that_cases_do_not_give_and_what_is_not_judged(atlas, loaded, tmp_path):
+    """V of the scene decides in sand; a corner of the atlas and V alone are marked, as answers of `predict` are."""
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],V [MN]\na,1500,10,\nb,0,0,3\n", encoding="utf-8")
+    search = Search(loaded.atlas, replace(loaded.wanted, cases=read_load_cases(file)))
+    texts = remarks_on(search, Candidate(7.0, 10.0, 1e5, 0.9, "a: tilt", True), True)
+    assert "cases without V are at that of the scene, 2 MN" in texts
+    assert [text[:30] for text in texts[:3:2]] == ["V 3 MN: in a corner of the atl", "V 2 MN: in a corner of the atl"]
+    assert "b: no lateral load: an atlas judges no V alone" in texts
+    assert texts[-1].startswith("the full model confirms the tilt, not the utilisation, on mesh 'coarse'")
+    inside = Candidate(8.0, 6.0, 1e5, 0.9, "extreme: tilt", True)
+    assert remarks_on(replace(loaded, tried=[]), inside, False) == []
+
+
+def test_a_use_that_is_not_known_is_blank():
+    tried = [Candidate(8.0, 4.0, 1e5, use, "", known) for use, known in ((0.9, True), (15.9, False), (10.0, True))]
+    assert table_of(tried)["use"].isna().tolist() == [False, True, True]
