@@ -17,9 +17,9 @@ import pandas as pd
 
 from pysprings.core.arrays import Integers
 from pysprings.core.errors import RunIncomplete, refused
+from pysprings.core.text import with_prefix
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
-from pysprings.core.text import with_prefix
 from pysprings.macro.fan_springs import BAND
 from pysprings.results.look import BLUE, GREY, VERMILLION
 from pysprings.scene.changes import Change, vertical_load
