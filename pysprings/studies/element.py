@@ -208,11 +208,8 @@ def _with(value: Any, number: float) -> Any:
 
 def bounds_of(key: str, start: float) -> tuple[float, float]:
     """Return the bounds of a key in SI: its interval, and a factor of 1000 about a positive start."""
-    field = plain_field(key)
-    unit = field.unit
-    low, high = (
-        float(each) if unit == "1" else read(f"{each} {unit}", si_of(unit)) for each in Interval(field.interval).bounds
-    )
+    scale = _unit_of(key)[1]
+    low, high = (scale * float(each) for each in Interval(plain_field(key).interval).bounds)
     if low >= 0.0 and start > 0.0:
         low, high = max(low, start / _SPAN), min(high, start * _SPAN)
     return low, high
@@ -223,7 +220,8 @@ def fit(
 ) -> Fit:
     """Fit keys of a layer to tests of one kind; ``keys`` are some of `known_keys`, with numbers within their bounds.
 
-    Positive keys move by their logarithm. Values that the checks of the law refuse, or that stop a test, count as
+    Positive keys move by their logarithm, others in their unit about 1, so that a key that starts from 0 has a step of
+    differences. Values that the checks of the law refuse, or that stop a test, count as
     100 % away from each measured value.
 
     Raises UserInputError: no more measured values beyond the first strain than keys.
@@ -238,13 +236,13 @@ def fit(
     values = SOIL_LAWS[stratum.law].derived(stratum) | stratum.values
     start = np.array([_number(values[key]) for key in keys], dtype=float)
     low, high = np.array([bounds_of(key, value) for key, value in zip(keys, start, strict=True)]).T
-    logs = (low > 0.0) & (start > 0.0)
+    logs, unit = (low > 0.0) & (start > 0.0), np.array([_unit_of(key)[1] for key in keys])
 
     def coordinates(x: Array) -> Array:
-        return np.where(logs, np.log(np.where(logs, x, 1.0)), x)
+        return np.where(logs, np.log(np.where(logs, x, 1.0)), 1.0 + x / unit)
 
     def numbers(c: Array) -> Array:
-        return np.where(logs, np.exp(np.where(logs, c, 0.0)), c)
+        return np.where(logs, np.exp(np.where(logs, c, 0.0)), (c - 1.0) * unit)
 
     def misfit(c: Array) -> Array:
         changed = {key: _with(values[key], float(x)) for key, x in zip(keys, numbers(c), strict=True)}
@@ -257,17 +255,23 @@ def fit(
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    error = spread * np.where(logs, after, 1.0)
-    near = np.minimum(found.x - bounds[0], bounds[1] - found.x) <= _AT_BOUND * (bounds[1] - bounds[0])
+    error = spread * np.where(logs, after, unit)
+    span = bounds[1] - bounds[0]
+    near = np.minimum(found.x - bounds[0], bounds[1] - found.x) <= _AT_BOUND * np.where(logs, span, np.fmin(span, 1.0))
     fitted = tuple(_fitted(*each) for each in zip(keys, start, after, error, near, strict=True))
     changed = {key: _with(values[key], float(x)) for key, x in zip(keys, after, strict=True)}
     return Fit(fitted, float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation, changed,
                found.status > 0)  # fmt: skip
 
 
-def _fitted(key: str, start: float, after: float, error: float, near: bool) -> Fitted:
+def _unit_of(key: str) -> tuple[str, float]:
+    """Return the unit of a key and its size in SI."""
     unit = plain_field(key).unit
-    scale = 1.0 if unit == "1" else read(f"1 {unit}", si_of(unit))
+    return unit, 1.0 if unit == "1" else read(f"1 {unit}", si_of(unit))
+
+
+def _fitted(key: str, start: float, after: float, error: float, near: bool) -> Fitted:
+    unit, scale = _unit_of(key)
     return Fitted(key, unit, start / scale, after / scale, error / scale, bool(near))
 
 

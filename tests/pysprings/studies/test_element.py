@@ -105,6 +105,16 @@ def test_a_fit_finds_the_keys_behind_its_data(scene: Path, tmp_path: Path) -> No
     assert not any(each["at_bound"] for each in found["keys"])
 
 
+@pytest.mark.filterwarnings("ignore::pysprings.core.tables.TableNote")  # of columns that follow from others
+def test_a_fit_finds_a_key_that_starts_from_0(scene: Path, tmp_path: Path) -> None:
+    """Cohesion of the data 12 kPa, of the scene 0: the scale of a step is that of the unit, not of the value."""
+    about, lab = ("element", str(scene), "--layer", "sand", "--stress", "100 kPa"), str(tmp_path / "o" / "element.csv")
+    command(*about, "--set", 'soil.layer.sand.cohesion="12 kPa"', "--out", str(tmp_path / "o"), "--no-figures")
+    options = ("--data", lab, "--fit", "cohesion", "--no-figures", "--out", str(tmp_path / "p"), "--json")
+    (found,) = json.loads(command(*about, *options).out)["fit"]["keys"]
+    assert found["value"] == pytest.approx(12.0, rel=2e-3) and not found["at_bound"]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
