@@ -450,8 +450,8 @@ def errors(answer: Sample, reference: Mapping[str, Array]) -> dict[str, float]:
 
 
 def reference_of(series: Sequence[Sample], h: Sequence[float]) -> dict[str, Reference]:
-    """Return what each quantity tends to, from samples on ever finer meshes with cell sizes h."""
-    names = [name for name in series[-1] if all(name in sample for sample in series)]
+    """Return what each quantity that all samples have tends to, on ever finer meshes with cell sizes h."""
+    names = [name for name in series[-1] if all(np.isfinite(sample.get(name, np.nan)).any() for sample in series)]
     return {name: extrapolate([sample[name] for sample in series], h) for name in names}
 
 

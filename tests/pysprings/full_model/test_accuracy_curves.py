@@ -326,6 +326,8 @@ def test_reference_and_its_uncertainty() -> None:
     assert reference[LOAD].order == pytest.approx(2.0)
     np.testing.assert_allclose(reference[PY].values, sample()[PY])
     assert measures.uncertainty(reference)["load_max"] == pytest.approx(30.0 * H[-1] ** 2)
+    vertical = [each | {PY: np.full((3, 40), np.nan)} for each in series]  # has no p(y)
+    assert PY not in measures.reference_of(vertical, H)
     to_and_fro = measures.reference_of([sample(1.0), sample(1.2), sample(1.1)], H)
     assert measures.uncertainty(to_and_fro)["load_max"] == pytest.approx(100.0 * 0.1 / 1.1)
 

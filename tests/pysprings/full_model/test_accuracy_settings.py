@@ -16,7 +16,7 @@ from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import target, two_mesh
 from pysprings.full_model.accuracy.measures import SLICES, cell_size
 from pysprings.full_model.accuracy.own_estimate import SHARE, companions_of, estimates_by_default, with_estimate
-from pysprings.full_model.accuracy.presets import BETWEEN, PRESETS, VARIED, read_mesh, settings
+from pysprings.full_model.accuracy.presets import BETWEEN, LINEAR, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
 from pysprings.model.build import counts_of
@@ -54,6 +54,12 @@ def test_one_factor_at_a_time_on_the_second_finest_mesh() -> None:
         if each.solver:
             assert each.name.startswith("medium-0.7-")
             assert (each.mesh, each.refinement) == ("medium", 0.7)
+
+
+def test_no_linear_solver_is_tried_where_the_series_has_its_own() -> None:
+    for meshes, tried in ((["coarse", "medium"], True), (["fourier-coarse@3", "fourier-coarse:2@3"], False)):
+        found = settings(meshes, linear=["rslab", "superlu"], base_linear="rslab")
+        assert any(each.group == LINEAR for each in found) == tried
 
 
 def test_the_series_is_ordered_by_size_and_names_a_mesh_once() -> None:
