@@ -151,14 +151,21 @@ def _answers(
 ) -> tuple[pd.DataFrame, pd.DataFrame, AnySprings | None]:
     """Return all answers, those that govern (of several estimates the largest over them), and the springs of one."""
     from pysprings.cli.inputs import springs_or_table
-    from pysprings.results.estimates import folders_of
+    from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.estimates import all_folders_of
     from pysprings.studies.design import governing
 
-    sets = folders_of(result)
+    sets = all_folders_of(result)
     opened = {name: springs_or_table(place, None, strict) for name, place in (sets or {"": result}).items()}
     tables = {name: answer(springs) for name, springs in opened.items()}
     if not sets:
         return tables[""], tables[""], opened[""]
     every, largest = governing(tables)
-    largest.attrs |= next(iter(tables.values())).attrs
+    own = {name: table.attrs.get("notes", ()) for name, table in tables.items()}
+    by_note = {note: [name for name in own if note in own[name]] for notes in own.values() for note in notes}
+    records = {name: RunRecord.read(place) for name, place in sets.items()}
+    status = [f"{name} {record.status if record else 'without run.json'}" for name, record in records.items()]
+    notes = [f"estimates: {', '.join(status)}"]
+    notes += [f"{', '.join(names)}: {note}" * (names != [*own]) or note for note, names in by_note.items()]
+    largest.attrs |= next(iter(tables.values())).attrs | {"notes": notes}
     return every, largest, None

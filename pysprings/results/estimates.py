@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.columns import Table
+from pysprings.core.errors import refused
 from pysprings.core.path_kinds import kind_of
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
@@ -37,6 +38,18 @@ def folders_of(folder: Path) -> dict[str, Path]:
     if (folder / "run.json").exists():
         return {}
     return {name: folder / name for name in ESTIMATES if (folder / name / "springs.nc").exists()}
+
+
+def all_folders_of(folder: Path) -> dict[str, Path]:
+    """Return the folders of runs by estimate as `folders_of` does; refuse those of which one has no springs.
+
+    Raises UserInputError: the largest over the estimates is not known without it.
+    """
+    found = folders_of(folder)
+    lost = [name for name in ESTIMATES if found and name not in found and (folder / name).is_dir()]
+    if lost:
+        raise refused(None, f"estimate {', '.join(lost)} has no springs.nc: its run has not ended", folder)
+    return found
 
 
 def write_together(folder: Path, runs: Mapping[str, Run]) -> tuple[list[Path], pd.DataFrame]:

@@ -166,11 +166,19 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
             values = {name: each[column] for name, each in own.items()}
             found_all = known and not any(pd.isna(value) for value in values.values())
             row[column] = max(values.values(), key=abs) if found_all else np.nan
-        row["marks"] = "; ".join(f"{name}: {each['marks']}" for name, each in own.items() if each["marks"])
+        row["marks"] = "; ".join(
+            f"{name}: {words}" for name, each in own.items() if (words := _marks_of(each, known))
+        )  # fmt: skip
         row["estimate"] = ", ".join(f"{name} ({', '.join(words)})" for name, words in found.items() if name)
         rows.append(row)
         all_rows += [pd.Series({"name": each["name"], "estimate": name} | dict(each)) for name, each in own.items()]
     return pd.DataFrame(all_rows).reset_index(drop=True), pd.DataFrame(rows).reset_index(drop=True)
+
+
+def _marks_of(row: pd.Series, known: bool) -> str:
+    """Return the marks of an estimate, with a tilt that is not tolerated where the motions of others are not known."""
+    tilted = not known and row["verdict"] == TILTED
+    return "; ".join(filter(None, [row["marks"], f"tilt used {number(row['tilt_used'], 3)}" * tilted]))
 
 
 def _values(answers: xr.Dataset, name: str, n: int) -> Array:

@@ -118,7 +118,11 @@ def _variations(
     """Return one setting at a time on the second finest mesh of a series; Fourier series have a solver of their own."""
     base = series[max(len(series) - 2, 0)]
     varied = [each for each in VARIED if not quick or each[1] in QUICK_VARIED]
-    others = [] if quick or base.discretisation == FOURIER else [(LINEAR, name, {"linear": name}) for name in linear if name != base_linear]
+    others = (
+        []
+        if quick or base.discretisation == FOURIER
+        else [(LINEAR, name, {"linear": name}) for name in linear if name != base_linear]
+    )
     return [
         replace(base, name=f"{base.name}-{end}", group=group, solver={**base.solver, **values}, series=False)
         for group, end, values in [*varied, *others]

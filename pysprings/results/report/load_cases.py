@@ -201,6 +201,7 @@ def closing(table: pd.DataFrame) -> str:
         if len(known):
             worst = known.sort_values([column, "name"]).iloc[-1]
             text += f"; largest {words} {worst[column]:.3g} in '{worst['name']}'"
+            text += ", of cases that every estimate answers" * bool("estimate" in table and table[column].isna().any())
     return text
 
 

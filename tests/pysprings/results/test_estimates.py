@@ -2,6 +2,7 @@
 """Runs of several estimates: folders, files side by side, load cases over them, exports, and what is refused."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import openpyxl
 import pandas as pd
 import pytest
 
+from pysprings.results.report.load_cases import closing
 from pysprings.studies.design import governing
 from tests.support import tiny
 from tests.support.commands import Result, command
@@ -100,7 +102,13 @@ def test_load_cases_show_the_largest_over_the_estimates(ran: tuple[Path, Result]
     (row,) = both["cases"]
     assert row["u_m"] == low["u_m"] and "low (u" in row["estimate"]
     assert [each["estimate"] for each in both["estimates"]] == NAMES
+    assert both["about"]["note"].startswith("estimates: low complete, best complete, high complete")
     assert "--report: needs the folder of a run" in command("design", ran[0], cases, "--report").err
+    for name in NAMES:
+        (tmp_path / "stopped" / name).mkdir(parents=True)
+        shutil.copy(ran[0] / name / "springs.nc", tmp_path / "stopped" / name)
+    (tmp_path / "stopped" / NAMES[-1] / "springs.nc").unlink()  # as a run that was interrupted leaves it
+    assert f"estimate {NAMES[-1]} has no springs.nc" in command("design", tmp_path / "stopped", cases, *options).err
 
 
 def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
@@ -113,6 +121,11 @@ def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
     assert answers["estimate"].tolist() == ["low", "high"]
     assert np.isnan(worst["u_m"][0]) and worst["utilisation"][0] == 1.2 and worst["verdict"][0] == "no answer"
     assert worst["estimate"][0].startswith("low (utilisation")
+    rows["high"] |= {"tilt_used": 1.34, "verdict": "tilt exceeded"}
+    fine = {**common, **some, "name": "b", "utilisation": 0.6}
+    _, worst = governing({name: pd.DataFrame([row, fine]) for name, row in rows.items()})
+    assert worst["verdict"].tolist() == ["tilt exceeded", "ok"] and worst["marks"][0] == "high: tilt used 1.34"
+    assert "largest tilt used 0.1 in 'b', of cases that every estimate answers" in closing(worst)
 
 
 def test_numbers_beside_the_largest_are_those_of_its_estimate() -> None:
