@@ -162,9 +162,7 @@ class Comparison:
             "skip_below": measures.SKIP_BELOW,
             "depths": answer.sizes["depth"],
             "depths_unusable": int((answer["usable"] == 0).sum()),
-            "extrapolated_states": int(answer["extrapolated"].sum()),
-            "off_path_states": int(answer["off_path"].sum()),
-            "off_load_states": int(answer["off_load"].sum()),
+            **{f"{mark}_states": int(answer[mark][1:].sum()) for mark in ("extrapolated", "off_path", "off_load")},
         }
 
     def _between(self, path: SpringPath, spring_set: str) -> dict[str, float]:

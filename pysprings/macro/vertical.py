@@ -127,7 +127,7 @@ class VerticalTable:
         change = V - V0
         branch = self.branch(change)
         if branch is None:
-            return w0 + change / self.stiffness, self.stiffness, np.inf
+            return w0 + change / self.stiffness, self.stiffness, 0.0 if same_load(V, V0) else np.inf
         x = branch.find(V)
         if x is None:
             return w0 + branch.sign * branch.x[-1], 0.0, np.nan
@@ -184,8 +184,9 @@ class VerticalTable:
 
     def used(self, w: float) -> float:
         """Return the calibrated range used at w [m]; inf in a direction that is not known."""
+        change = abs(w - self.rest[0])
         branch = self.branch(w - self.rest[0])
-        return np.inf if branch is None else abs(w - self.rest[0]) / float(branch.x[-1])
+        return change / float(branch.x[-1]) if branch else np.inf if change else 0.0
 
     def limits(self) -> str:
         """Return words for the V [N] that the known directions carry within their calibrated range."""

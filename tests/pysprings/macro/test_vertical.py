@@ -122,6 +122,24 @@ def test_one_direction_only_is_elastic_in_the_other_and_says_so():
     assert int(answer["extrapolated"]) == 1
 
 
+def test_the_load_at_rest_is_known_without_its_direction():
+    """V at rest, and what the solver leaves of it, is no load in the direction that no path leads to."""
+    tree = vertical_springs(ends=(-1e-2,))
+    for V in (REST, REST + 100.0):
+        assert int(impose(tree, u=2e-3, rotation=0.0, V=V)["extrapolated"]) == 0
+    path = tree["paths/slide"].to_dataset(inherit=False)
+    tree["paths/slide"].dataset = path.assign(V=path["V"] + 40.0, V_lid=path["V_lid"] + 40.0)
+    assert not compare(tree)["extrapolated_states"].any()
+
+
+def test_no_more_states_are_marked_than_a_path_has():
+    tree = vertical_springs(ends=(1e-2,))
+    light = pressed(tree["paths/slide"].to_dataset(inherit=False), 0.5 * REST)
+    tree["paths/light"] = xr.DataTree(light.assign_attrs(role="held-back"))
+    row = compare(tree).set_index(["path", "springs"]).loc["light", "fan"]
+    assert row["extrapolated_states"] == row["states"]
+
+
 def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
     tree = vertical_springs(ends=(5e-3, -1e-2))
     end = REST + float(down_curve(np.array(5e-3)))
