@@ -172,7 +172,8 @@ def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, .
 def _print(outcome: Outcome) -> None:
     print_table(Table.of(filled(_ROWS, outcome.rows), outcome.rows))
     request, stratum = outcome.request, outcome.request.stratum
-    print(f"\nvalues of layer {quoted(stratum.name)} at {request.depth:g} m below mudline (--depth)")
+    print(f"\nlargest stress, stress at the end: {outcome.stress}")
+    print(f"values of layer {quoted(stratum.name)} at {request.depth:g} m below mudline (--depth)")
     if not (stratum.exponent or stratum.total_stress):
         print("\nG is that of the layer at every stress: no key makes it follow the stress")
     fit = outcome.fit

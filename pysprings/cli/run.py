@@ -143,7 +143,7 @@ def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped
     loaded = loaded if options.target is None else target_start(loaded, options.target, options.mesh)
     ran = on_mesh(loaded, options.mesh)
     with result_folder(folder, ran, force, options.resume) as resume:
-        if resume and not is_unfinished(folder):
+        if resume and not is_unfinished(folder) and not _budget_was_spent(folder, ran, options.target):
             return _ended_run(folder, ran, options.target)
         if options.resume and not resume and not options.quiet:
             to_stderr("note: the run here was killed before its first checkpoint: it begins from the start")
@@ -205,6 +205,19 @@ def run_one(scene: Scene, folder: Path, options: RunOptions) -> Stopped:
             )
         raise
     return None
+
+
+def _budget_was_spent(folder: Path, scene: Scene, target: str | None) -> bool:
+    """Return whether the runs of a scene to a target ended before a finer mesh for their budget alone."""
+    from pysprings.cli.results import read_record
+    from pysprings.full_model.accuracy.target import as_ran, finer
+
+    record = read_record(folder)
+    noted = record.target_error or {}
+    if target is None or target != noted.get("target") or not (record.complete and noted["missed"]):
+        return False
+    refuse_other_run(folder, record, as_ran(scene, noted))
+    return finer(scene, noted)[0] is not None
 
 
 def _ended_run(folder: Path, scene: Scene, target: str | None) -> Stopped:

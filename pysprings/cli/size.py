@@ -51,7 +51,7 @@ def size(
     from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.changes import read_changes
     from pysprings.studies.atlas.model import open_atlas
-    from pysprings.studies.sizing import Search, Wanted, bounds_of, least_confirmed, remarks_on
+    from pysprings.studies.sizing import Search, Wanted, bounds_of, least_confirmed, remarks_on, table_of
 
     given = quantities(
         {"--tilt": (tilt, "rad", "0.25 deg"), "--D-min": (least, "m", "3 m"), "--D-max": (most, "m", "20 m")}
@@ -72,7 +72,14 @@ def size(
     if as_json:
         full = [] if checked is None else checked.to_dict("records")
         about = {"remarks": remarks_on(search, best, confirm), "correction": search.correction}
-        print_json({"best": vars(best), "candidates": len(search.tried), **about, "full_model": full})
+        print_json(
+            {
+                "best": table_of([best]).to_dict("records")[0],
+                "candidates": len(search.tried),
+                **about,
+                "full_model": full,
+            }
+        )
         return
     _print(search, best, checked)
     for file in files:

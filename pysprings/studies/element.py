@@ -373,6 +373,11 @@ class Outcome:
         """Sentences on tests that did not reach their last strain."""
         return [f"{name}: {each.stopped}" for name, each in zip(self.names, self.curves, strict=True) if each.stopped]
 
+    @property
+    def stress(self) -> str:
+        """Which stress `peak` and `end` of the rows are, in words."""
+        return _AXES[MEASURED[self.request.kind][1][0]][0].removesuffix(" [kPa]")
+
     @cached_property
     def rows(self) -> list[dict[str, Any]]:
         """Rows of the summary, in SI: largest stress and where, the state at the end, distance from data."""

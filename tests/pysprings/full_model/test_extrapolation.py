@@ -30,6 +30,7 @@ from pysprings.springs.path import paths_of
 from pysprings.springs.sums import balance, slice_heights
 from pysprings.springs.tip_zone import on_slices
 from tests.support import tiny
+from tests.support.commands import command
 
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 4e-3, "arm": 4.0}
 BACK = {"name": "back", "kind": "pull", "lateral_displacement": 2e-3, "then": ["-1 mm"], "role": "held-back"}
@@ -238,10 +239,13 @@ def test_files_have_the_extrapolated_values_and_the_full_model_both(tmp_path: Pa
     assert meshes == ["one; 'extrapolated' has what mesh_error_pct is of", "two", "two"]
 
 
+def small() -> Scene:
+    return scene(paths=({**PULL, "lateral_displacement": 1e-3},))
+
+
 def runs_to(out: Path, word: str, **given: Any) -> dict[str, Any]:
     """Return what run.json has on a target; a target that is missed is raised."""
-    small = scene(paths=({**PULL, "lateral_displacement": 1e-3},))
-    run_to_target(target.start(small, word).replace(mesh={"refinement": 0.5}), out, word, **given)
+    run_to_target(target.start(small(), word).replace(mesh={"refinement": 0.5}), out, word, **given)
     record = RunRecord.read(out)
     assert record is not None and record.target_error is not None
     return record.target_error
@@ -270,7 +274,10 @@ def test_a_target_is_missed_where_the_budget_is_spent_or_runs_are_used_up(
     assert record is not None and record.complete and record.target_error is not None
     assert len(record.target_error["runs"]) == 1 and "the budget" in record.target_error["missed"]
     monkeypatch.setattr(target, "ATTEMPTS", 2)
-    with pytest.raises(RunIncomplete, match="2 meshes were tried"):
-        runs_to(tmp_path / "out", "0.5%")
+    (tmp_path / "small.toml").write_text(small().to_toml(), encoding="utf-8")
+    more = ("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--target-error", "0.5%", "--resume", "--quiet")
+    done = command(*more)  # goes on where a budget was spent
+    assert done.code == 3 and "2 meshes were tried" in done.err and "nothing is left to do" not in done.err
     record = RunRecord.read(tmp_path / "out")
     assert record is not None and len((record.target_error or {})["runs"]) == 2
+    assert "nothing is left to do" in command(*more).err

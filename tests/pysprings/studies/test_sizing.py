@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Sizing on the atlas that ships: what is just met, what steel weighs, what cannot be met."""
 
+import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -31,6 +32,7 @@ from pysprings.studies.sizing import (
     scenes_of,
     table_of,
 )
+from tests.support.commands import command
 
 
 @pytest.fixture(scope="module")
@@ -197,3 +199,12 @@ def test_remarks_name_the_vertical_load_that_cases_do_not_give_and_what_is_not_j
 def test_a_use_that_is_not_known_is_blank():
     tried = [Candidate(8.0, 4.0, 1e5, use, "", known) for use, known in ((0.9, True), (15.9, False), (10.0, True))]
     assert table_of(tried)["use"].isna().tolist() == [False, True, True]
+
+
+def test_the_json_of_the_command_has_units_in_its_keys(tmp_path):
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m]\na,500,2\n", encoding="utf-8")
+    best = json.loads(command("size", file, "--atlas", "clay", "--D-min", "7 m", "--D-max", "8 m", "--json").out)[
+        "best"
+    ]
+    assert 7.0 <= best["D_m"] <= 8.0 and best["steel_t"] < 200.0 and best["governs"]
