@@ -193,8 +193,7 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
         *errors_by_role(springs, with_tables(made, tables), f"all curves of this table beside {beside}"),
     ]
     lines = [line for line in errors if HELD_BACK in line] or errors
-    at = [] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]
-    head = [*lines, *at, *corrected, BETWEEN, *header(source, "curves for beam programs", FRAME, UNITS)]
+    head = [*lines, *corrected, BETWEEN, *header(source, "curves for beam programs", FRAME, UNITS, at=springs)]
     points = [(each.spring.name, each.spring.depth, *each.within()) for each in tables]
     points += [(row.name, row.depth, row.q[[0, -1]], row.r[[0, -1]]) for row in found if not row.r.any()]
     return head, _frame(points, bounds)

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from pysprings.core.errors import refused
-from pysprings.core.loads import same_load
-from pysprings.core.path_kinds import HELD_BACK, VERTICAL
+from pysprings.core.loads import close_loads, same_load
+from pysprings.core.path_kinds import HELD_BACK, MEMORY, VERTICAL
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Options, Source
 from pysprings.springs.path import SpringPath
@@ -55,17 +55,21 @@ def torsion_words(stiffness: float | None) -> str:
     return "torsion is linear, with the stiffness of the full model at rest: friction is not in it"
 
 
-def header(source: Source, target: str, frame: str, units: str, use: str = BACKBONE) -> list[str]:
+def header(
+    source: Source, target: str, frame: str, units: str, use: str = BACKBONE, at: Springs | None = None, kind: str = ""
+) -> list[str]:
     """Return the lines of a header, without comment signs.
 
     source : Springs of the export.
     target : Program and kind of file.
     frame, units : Axes with their signs, and units, of the numbers in the file.
     use : A sentence on the kind of loading that the numbers stand for.
+    at : Springs of the numbers, at one rate and vertical load; None: all.
+    kind : Spring set whose errors it has; that which predicts without one.
     """
-    springs = source.springs
-    attrs, given = springs.attrs, Springs.of(springs)
-    rates = ", ".join(f"{1e3 * each.rate:.4g} mm/s" for each in given.rate_sets)
+    attrs, given = source.springs.attrs, Springs.of(source.springs)
+    rates = ", ".join(f"{1e3 * each.rate:.4g} mm/s" for each in (at or given).rate_sets)
+    V = None if at is None else at.path().load
     return [
         f"{target}, written by pysprings {__version__}",
         f"scene: {attrs.get('title', 'not recorded')}; sha256 {attrs.get('scene_sha256', 'not recorded')}",
@@ -77,10 +81,11 @@ def header(source: Source, target: str, frame: str, units: str, use: str = BACKB
         f"units: {units}",
         f"drainage: {given.drainage}; rate: {rates or 'none: the springs do not depend on it'}; "
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
+        *([] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]),
         *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),
         use,
-        *_ranges(given),
-        *_errors(source.comparison, given.reference),
+        *_ranges(at or given),
+        *_errors(source.comparison, given.reference, V, kind),
         source.mesh_error,
     ]
 
@@ -116,16 +121,23 @@ def _ranges(springs: Springs) -> Iterator[str]:
     yield from (f"path {path.name} {path.end.words}" for path in paths if path.end.failed)
 
 
-def _errors(comparison: pd.DataFrame, reference: str) -> Iterator[str]:
-    """Yield the largest errors of the springs that predict, on held-back paths where there are any, and their paths."""
-    sets = comparison.groupby("springs", sort=False)
-    predict = next((each for each in _PREDICT if each in sets.groups), None)
+def _errors(comparison: pd.DataFrame, reference: str, V: float | None, kind: str) -> Iterator[str]:
+    """Yield the largest errors of a spring set, on held-back paths where there are any, and their paths.
+
+    Blank is the set that predicts. Lateral paths are those at V [N], all without it.
+    """
+    here = (comparison["kind"] == VERTICAL) | (V is None or close_loads(comparison["V_N"].to_numpy(float), V))
+    held_back = (comparison["role"] == HELD_BACK) & (comparison["kind"] != VERTICAL)
+    if V is not None and not (here & held_back).any():
+        yield f"no path is held back at V = {1e-3 * V:.6g} kN: errors of lateral springs are not known there"
+    sets = comparison[here].groupby("springs", sort=False)
+    predict = kind or next((each for each in _PREDICT if each in sets.groups), None)
     for name, rows in sets:
         springs = str(name)
         if springs not in (predict, VERTICAL):
             continue
         held = rows[rows["role"] == HELD_BACK]
-        used = held if len(held) else rows
+        used = held if len(held) else rows[(rows["role"] != MEMORY) | (springs == MEMORY)]
         parts = []
         for key, words in _ERRORS.items():
             sizes = used[f"{key}_error_max_pct"].abs()

@@ -31,13 +31,15 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     springs, load = springs_at(source, options)
     if not has_fan(springs):
         return [], [_NO_FAN]
-    model = MacroModel.from_springs(springs, str(options["springs"]), V=load)
+    kind, at = str(options["springs"]), springs.at(V=load)
+    model = MacroModel.from_springs(springs, kind, V=load)
     elements, torsion = model.response.element_rows, known_torsion(model.attrs)
-    lost = [*_LOST[str(options["springs"])], *model.response.plane_notes()]
-    lost += [SpaceAnswers.of(springs.at(V=load)).errors] if elements.in_space else []
+    lost = [*_LOST[kind], *model.response.plane_notes()]
+    lost += [SpaceAnswers.of(at).errors] if elements.in_space else []
     lost += [*([] if elements.twists else [torsion_words(torsion)]), _READ]
     use = _CYCLES if len(elements.rows) else BACKBONE
-    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use), *lost, _conditions(model)]
+    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use, at, kind), *lost]
+    head += [f"fan of {len(at.rays)} rays; displacement 0: at rest under {1e-3 * model.rest_load:.6g} kN"]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
     text = spring_text(head, model, 0.0 if elements.twists else torsion or 0.0, total, stop)
     library = f"./{library_name()}"
@@ -46,15 +48,6 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
         target.write("soildyn_nonlinear.dat", library_input(head, library, f"./{_SPRING_FILE}", [_place(options)])),
     ]
     return files, [*lost, _BUILD.format(library=library)]
-
-
-def _conditions(model: MacroModel) -> str:
-    """Return a sentence on the vertical load of the lateral springs and on the rays."""
-    rays = len(model.response.sources)
-    return (
-        f"lateral springs at V = {1e-3 * model.origin.load:.6g} kN, fan of {rays} rays; displacement 0: "
-        f"at rest under {1e-3 * model.rest_load:.6g} kN"
-    )
 
 
 def _place(options: Options) -> tuple[float, float, float]:

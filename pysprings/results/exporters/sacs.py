@@ -208,8 +208,8 @@ def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
     return replace(given, spring=spring, q=np.concatenate([-q[:0:-1], q]), f=np.concatenate([-f[:0:-1], f]))
 
 
-def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
-    """Return the lines of the cards, and the sentences on what is lost."""
+def _texts(source: Source, options: Options) -> tuple[list[str], list[str], Springs]:
+    """Return the lines of the cards, the sentences on what is lost, and the springs at their rate and load."""
     points = int(options["points"])
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
@@ -217,7 +217,8 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str]]:
     made = uniaxial(springs, options["springs"], load, planes=2, slices=ZONE)
     axial, words = _axial_cards(springs, made, options)
     lateral, errors = _lateral_cards(springs, made, options)
-    return [*axial, *lateral], [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, *words, *errors]
+    lost = [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, *words, *errors]
+    return [*axial, *lateral], lost, springs.at(V=load)
 
 
 def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
@@ -261,7 +262,7 @@ def _axial(made: Uniaxial, area: float) -> Iterator[str]:
 
 def write(source: Source, target: Target, options: Options) -> Exported:
     """Write the cards."""
-    lines, lost = _texts(source, options)
-    head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS), *lost]
+    lines, lost, at = _texts(source, options)
+    head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS, at=at), *lost]
     text = "\n".join([*commented("*", head, 76), *lines]) + "\n"
     return Exported([target.write("caisson_sacs.inp", text)], lost)

@@ -456,7 +456,8 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
         *errors_by_role(springs, made.model, f"error of these springs beside {springs.reference}"),
     ]
     angles = tuple(first + np.pi / made.planes * k for k in range(made.planes))
-    return Prepared([*header(source, target, frame, UNITS), *lost], rows, lost, made, springs, angles, torsion or 0.0)
+    head = [*header(source, target, frame, UNITS, at=springs.at(V=load)), *lost]
+    return Prepared(head, rows, lost, made, springs, angles, torsion or 0.0)
 
 
 Terms = dict[str, float]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.optimize import brentq
 
 from pysprings.core import variables
@@ -20,7 +21,7 @@ from pysprings.results.exporters.soildyn.library import COMPILERS, build, librar
 from pysprings.results.exporters.subdyn import labels, linear_errors, secants
 from pysprings.results.tables import open_table
 from pysprings.springs.springs import Springs
-from tests.support import openfast, subdyn, synthetic, winkler, written
+from tests.support import loaded, openfast, subdyn, synthetic, winkler, written
 from tests.support.commands import command
 from tests.support.fans import LENGTH
 from tests.support.vertical import fan_with_vertical, vertical_springs
@@ -95,6 +96,27 @@ def test_the_header_names_origin_conditions_and_errors(folder: Path) -> None:
             "foundation matrix: stiffness at rest", "error of the linear response in H and M",
         ):  # fmt: skip
             assert words in text, (name, words)
+
+
+@pytest.mark.parametrize("kind", ["fan", "memory"])
+@pytest.mark.parametrize(("V", "at"), [(None, loaded.REST), (loaded.HEAVY, loaded.HEAVY)])
+def test_range_and_errors_are_those_of_the_springs_in_the_file(
+    tmp_path: Path, kind: str, V: float | None, at: float
+) -> None:
+    """Of several vertical loads those of one; a path that checks them at another load says nothing of these."""
+    tree = loaded.springs().tree.copy()
+    light = tree["paths/ray_0_1"].to_dataset(inherit=False)
+    tree["paths/held"] = xr.DataTree(light.assign_attrs(role="held-back"))
+    export(Source(tree), "openfast", tmp_path, springs=kind, V=V)
+    lines = (tmp_path / "caisson.txt").read_text().splitlines()
+    own = loaded.springs().at(V=at).lateral
+    (ranges,) = (line for line in lines if "lateral paths: |u| to" in line)
+    assert f"|H| to {1e-3 * max(np.abs(path['H']).max() for path in own):.5g} kN" in ranges
+    assert f"! lateral springs at V = {1e-3 * at:g} kN" in lines
+    assert any("no path is held back at V = 4000 kN" in line for line in lines) == (at == loaded.HEAVY)
+    (errors,) = (line for line in lines if f"largest errors of springs {kind}" in line)
+    assert ("1 held-back paths" in errors) == (at == loaded.REST)
+    assert any(f"fan of {len(own)} rays" in line for line in lines)
 
 
 def test_torsion_that_no_full_model_has_computed_is_named(tmp_path: Path) -> None:
