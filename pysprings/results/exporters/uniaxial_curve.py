@@ -125,11 +125,11 @@ def _ordinates(x: Array, y: Array, q: Array, size: float) -> Array:
     beside = np.bincount(k + 1, share * (1.0 - share) * weight, n)
     right = np.bincount(k, (1.0 - share) * weight * y, n) + np.bincount(k + 1, share * weight * y, n)
     free = solveh_banded(np.stack([beside, diagonal])[:, 1:], right[1:])
-    f = np.concatenate([[0.0], free])
-    if (np.sign(y[-1]) * np.diff(y) < 0.0).any():
+    f, sign = np.concatenate([[0.0], free]), np.sign(y[np.abs(y).argmax()])  # a curve may end at 0
+    if (sign * np.diff(y) < 0.0).any():
         return f
     least = STIFFEST * f[1] / q[1] * np.diff(nodes) * np.sign(x[-1])  # a curve that only grows keeps growing
-    return np.concatenate([[0.0], np.cumsum(np.sign(y[-1]) * np.maximum(np.sign(y[-1]) * np.diff(f), np.abs(least)))])
+    return np.concatenate([[0.0], np.cumsum(sign * np.maximum(sign * np.diff(f), np.abs(least)))])
 
 
 def with_far(given: Table) -> Table:

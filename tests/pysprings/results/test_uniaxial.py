@@ -16,7 +16,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
 from pysprings.results.exporters import Source, export
-from pysprings.results.exporters.uniaxial_curve import table
+from pysprings.results.exporters.uniaxial_curve import Spring, table
 from pysprings.results.exporters.uniaxial_sets import (
     Uniaxial,
     change_by_tables,
@@ -162,6 +162,15 @@ def test_tables_are_bounded_by_their_printed_error(made: Uniaxial, points: int) 
         left = np.abs(np.interp(x, one.q, one.f) - y).max() / np.abs(y).max()
         assert left <= one.error * (1.0 + 1e-3) + 1e-12
         assert one.error < {5: 0.2, 20: 0.03, 41: 0.01, 401: 1e-4}[points]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_spring_that_loses_all_of_its_reaction_keeps_its_way_there(sign: float) -> None:
+    """As under a lid that lifts off: up to 1 in the middle, and 0 at the end."""
+    spring = Spring("H_lid", "lateral", 0.0, 0.0, -1.0, 1.0, lambda x: sign * 4.0 * x * (1.0 - np.abs(x)))
+    one = table(spring, 401)
+    x = np.linspace(-1.0, 1.0, 101)
+    np.testing.assert_allclose(np.interp(x, one.q, one.f), spring.force(x), atol=1e-3)
 
 
 def test_straight_lines_are_those_of_the_tables(made: Uniaxial) -> None:
