@@ -184,8 +184,8 @@ _RESULT_PATH = (
     | _BODY
     | _table(
         V("time", "time", "s", ("step",)),
-        V("azimuth", "angle around the caisson from the front", "radian", ("azimuth",),
-          "0 at the front (+x), pi at the back; half model"),
+        V("azimuth", "angle around the caisson from +x", "radian", ("azimuth",),
+          "0 at +x, pi at -x; half model"),
         V("diameter_change_x", "change of the skirt's diameter in the loading direction", "m", ("depth", "step"),
           "positive where it has grown; of the middle of the wall; elastic caisson only", required=False),
         V("diameter_change_y", "change of the skirt's diameter across the loading direction", "m", ("depth", "step"),

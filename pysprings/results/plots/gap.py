@@ -15,7 +15,7 @@ from matplotlib.patches import Circle
 from pysprings.core.arrays import Array
 from pysprings.results.parts import Opening, openings, pick_step, plan_gap, skirt_gap
 from pysprings.results.plots import style
-from pysprings.results.plots.picture import of_state, step_text
+from pysprings.results.plots.picture import heading, of_state, step_text
 
 
 @style.styled
@@ -70,16 +70,17 @@ def _draw_skirt(axes: Axes, path: xr.Dataset, step: int, side: str, norm: Normal
     drawn = axes.pcolormesh(
         *edges, np.ma.masked_less_equal(gap, 0.0), norm=norm, cmap=style.GAP_COLOURS, gid=f"gap {side}"
     )
-    _around(axes)
+    _around(axes, heading(path, step))
     axes.set(ylim=(edges[1][-1], 0), ylabel="depth below mudline [m]")
     axes.grid(False)
     _bar(axes, drawn, gap)
 
 
-def _around(axes: Axes) -> None:
-    """Give a panel the azimuth of the half model as its axis."""
+def _around(axes: Axes, front: float) -> None:
+    """Give a panel the azimuth of the half model as its axis; front as of `heading`."""
     axes.set(xlim=(0, 180), xlabel="azimuth [deg]")
-    axes.set_xticks(range(0, 181, 30), ["0\nfront", "30", "60", "90\nside", "120", "150", "180\nback"])
+    first, last = ("front", "back") if front > 0.0 else ("back", "front")
+    axes.set_xticks(range(0, 181, 30), [f"0\n{first}", "30", "60", "90\nside", "120", "150", f"180\n{last}"])
 
 
 def nearest_station_image(x: Array, y: Array, values: Array, n: int = 241) -> np.ma.MaskedArray:
@@ -116,7 +117,8 @@ def _draw_lid(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         gid="gap lid",
     )
     axes.plot(np.r_[x, x], np.r_[y, -y], linestyle="none", marker=".", markersize=1.5, color=style.GREY, zorder=3)
-    axes.set(aspect="equal", xlabel="x [m], front on the right", ylabel="y [m]", title=opening.text())
+    front = "right" if heading(path, step) > 0.0 else "left"
+    axes.set(aspect="equal", xlabel=f"x [m], front on the {front}", ylabel="y [m]", title=opening.text())
     axes.grid(False)
     _bar(axes, drawn, gap)
 
@@ -140,7 +142,7 @@ def _draw_tip(axes: Axes, path: xr.Dataset, step: int, opening: Opening | None) 
         zorder=3,
         clip_on=False,
     )
-    _around(axes)
+    _around(axes, heading(path, step))
     axes.set(ylim=(0, 1.08 * opening.width * style.MM or 1), ylabel="gap [mm]", title=opening.text())
     if several:
         axes.figure.colorbar(drawn, ax=axes, label="radius of the point [m]", pad=0.02)

@@ -184,6 +184,12 @@ def step_text(path: xr.Dataset, step: int) -> str:
     return text if converged(path)[step] else text + " (NOT CONVERGED)"
 
 
+def heading(path: xr.Dataset, step: int) -> float:
+    """Return where the front of a caisson is at a step: 1 at +x, -1 at -x where u (without u, its lean) is negative."""
+    u, lean = float(path["u"][step]), float(path["rotation"][step]) * skirt_length(path)
+    return -1.0 if (u if abs(u) > SMALLEST * abs(lean) else lean) < 0.0 else 1.0
+
+
 def _short(value: float) -> str:
     """Return three digits of a motion [mm, mrad]; what is below a picometre is rounding."""
     return f"{0.0 if abs(value) < SMALLEST else value:.3g}"

@@ -20,7 +20,7 @@ from matplotlib.patches import Circle, Patch, Wedge
 from pysprings.core.arrays import Array
 from pysprings.results.parts import pick_step
 from pysprings.results.plots import style
-from pysprings.results.plots.picture import Part, Picture, depth_words, of_state, pick_depths, step_text
+from pysprings.results.plots.picture import Part, Picture, depth_words, heading, of_state, pick_depths, step_text
 
 TRACE = 1.0  # drawn radius of the caisson: the circle of zero
 GAP_WIDTH = 0.12  # drawn width of the zones without contact
@@ -71,7 +71,7 @@ def stress_rose(
     """Draw p'_N around the caisson at four depths, normalised by its initial value.
 
     The trace of the caisson is the zero circle and the magnitude goes outward. Zones with p'_N = 0 are shaded. The half
-    model is mirrored to the full ring; the front is on the right.
+    model is mirrored to the full ring; +x is on the right, and the arrow points to the front.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def shear_rose(
 
 @dataclass(frozen=True)
 class _Ring:
-    """A side of the skirt at one depth over the half model: azimuth [rad] (0 at the front), stress, initial [Pa]."""
+    """A side of the skirt at one depth over the half model: azimuth [rad] (0 at +x), stress, initial [Pa]."""
 
     azimuth: Array
     stress: Array
@@ -150,7 +150,8 @@ def _rose(
 ) -> Figure:  # fmt: skip
     """Draw a quantity around the caisson, one panel a depth, one scale."""
     step = pick_step(path, step, displacement)
-    chosen = pick_depths(path, depths)
+    chosen, front = pick_depths(path, depths), heading(path, step)
+    quantity = quantity if front > 0.0 else replace(quantity, places=quantity.places[::-1])
     rings = {k: {side: _ring(path, quantity, step, k, side) for side in quantity.sides} for k in chosen}
     sizes = [np.nan_to_num(np.abs(ring.values)).max() for sides in rings.values() for ring in sides.values()]
     largest = float(max(sizes)) or 1.0
@@ -163,7 +164,7 @@ def _rose(
     for axes in panels:
         axes.set_axis_off()
     for axes, (k, sides) in zip(panels, rings.items(), strict=False):
-        _frame(axes, quantity, quantity.reach / largest)
+        _frame(axes, quantity, quantity.reach / largest, front)
         _draw(axes, sides, quantity, quantity.reach / largest)
         axes.set_title(_words(float(path["depth"][k]), sides, quantity), loc="center", fontsize=9)
     gaps = quantity.normalised and any(ring.gaps() for sides in rings.values() for ring in sides.values())
@@ -172,8 +173,8 @@ def _rose(
     return figure
 
 
-def _frame(axes: Axes, quantity: Quantity, scale: float) -> None:
-    """Draw the trace, the circles of the largest value outward and inward, or of the initial value; front arrow."""
+def _frame(axes: Axes, quantity: Quantity, scale: float, front: float) -> None:
+    """Draw the trace, circles of the largest value outward and inward, or of the initial value; arrow to the front."""
     axes.set_aspect("equal")
     reach = TRACE + quantity.reach + 0.1
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
@@ -185,7 +186,7 @@ def _frame(axes: Axes, quantity: Quantity, scale: float) -> None:
     if not quantity.signed:
         axes.add_patch(Circle((0, 0), TRACE + scale, fill=False, edgecolor=style.INK, linestyle="--", linewidth=1.1,
                               zorder=3))  # fmt: skip
-    axes.annotate("", (TRACE - 0.64, 0), xytext=(-0.36, 0), zorder=6,
+    axes.annotate("", (0.36 * front, 0), xytext=(-0.36 * front, 0), zorder=6,
                   arrowprops={"arrowstyle": "-|>", "color": style.INK, "linewidth": 1.4})  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def section_displacement(
         values = path[name].transpose("step", "section_node").values[step] * style.MM
         _draw_field(axes, section, values)
         axes.set_title(title)
-    _load_arrow(lateral, section, path)
+    _load_arrow(lateral, section, path, step)
     factor = _draw_moved_caisson(lateral, section, path, step)
     _draw_moved_caisson(vertical, section, path, step)
     elastic = path.attrs.get("caisson_behaviour") == "elastic"
@@ -102,7 +102,7 @@ def section_pressure(
     figure = style.new_figure(8.2, 5.4, compressed=True)
     axes = figure.subplots()
     _draw_field(axes, section, path["section_pore_pressure"].isel(step=step).values * style.KPA, "kPa")
-    _load_arrow(axes, section, path)
+    _load_arrow(axes, section, path, step)
     style.set_title(figure, "Excess pore pressure in the symmetry plane", path.attrs, f"at {step_text(path, step)}")
     return figure
 
@@ -198,8 +198,8 @@ def _label_axes(axes: Axes) -> None:
     axes.set(xlabel="x, loading direction [m]", ylabel="depth below mudline [m]")
 
 
-def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None) -> None:
-    """Mark where the load of a path acts, and its positive sense: at its arm, or at the frame's edge with the arm.
+def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None, step: int = 0) -> None:
+    """Mark where the load of a path acts, and its sense at a step: at its arm, or at the frame's edge with the arm.
 
     Without a path, or where no load height is given, the arrow is the positive sense of H at the lid.
     """
@@ -208,13 +208,15 @@ def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None)
         return
     arm = None if path is None or not PATH_KINDS[str(path.attrs["kind"])].free_head else path.attrs.get("arm_m")
     if arm is None:
-        start, depth, words = 1.03 * outer, -0.12 * outer, "H, u"
+        start, depth, words, sense = 1.03 * outer, -0.12 * outer, "H, u", 1.0
     else:
+        assert path is not None
+        sense = -1.0 if float(path["H"][step]) < 0.0 else 1.0
         top = min(axes.get_ylim())
         start, depth = 0.0, max(-float(arm), 0.75 * top)
         beyond = " (beyond the frame)" if -float(arm) < 0.75 * top else ""
         words = f"H at {float(arm):g} m above mudline{beyond}"
-    axes.annotate("", (start + 0.32 * outer, depth), xytext=(start, depth), zorder=8,
+    axes.annotate("", (start + sense * 0.32 * outer, depth), xytext=(start, depth), zorder=8,
                   arrowprops={"arrowstyle": "-|>", "color": style.INK, "linewidth": 1.6})  # fmt: skip
     text = axes.annotate(words, (start + 0.37 * outer, depth), va="center", ha="left", fontsize=9, zorder=8)
     text.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.85})

@@ -315,6 +315,29 @@ def test_rose_sides_differ(pull: xr.Dataset) -> None:
     assert shaded(outside, 0)[0][0] > 90 and shaded(inside, 0)[0][0] < 90  # back of the outside, front of the inside
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_front_is_where_the_caisson_goes(pull: xr.Dataset, plane: xr.Dataset, sign: float) -> None:
+    """Towards -x the front is at azimuth 180 deg, and the load acts to the left; a pure rotation goes by its lean."""
+    leans = pull.assign(u=0.0 * pull["u"], rotation=sign * pull["rotation"])
+    path = leans.assign(u=sign * pull["u"], H=sign * pull["H"])
+    first, last = ("front", "back") if sign > 0.0 else ("back", "front")
+    for each in (path, leans):
+        panel = plots.stress_rose(each).axes[0]
+        (arrow,) = panel.texts
+        assert np.sign(arrow.xy[0] - arrow.xyann[0]) == sign
+        field = pull["normal_effective_stress"].transpose("step", "side", "azimuth", "depth").values
+        ring = field[:, 0, :, picture.pick_depths(pull)[0]]
+        ends = [f"{ring[-1, k] / ring[0, k]:.2g} {words}" for k, words in ((0, first), (-1, last))]
+        assert f"outside: {ends[0]}, {ends[1]}" in panel.get_title(loc="center")
+        skirt, _, lid, tip = plots.gap_map(each).axes[:4]
+        for axes in (skirt, tip):
+            words = [label.get_text() for label in axes.get_xticklabels()]
+            assert (words[0], words[-1]) == (f"0\n{first}", f"180\n{last}")
+        assert lid.get_xlabel() == f"x [m], front on the {'right' if sign > 0.0 else 'left'}"
+    arrow = next(text for text in plots.section_displacement(plane, path).axes[0].texts if text.get_text() == "")
+    assert np.sign(arrow.xy[0] - arrow.xyann[0]) == sign
+
+
 def test_rose_without_initial_stress_says_so(pull: xr.Dataset) -> None:
     field = pull["normal_effective_stress"].transpose("step", "side", "azimuth", "depth")
     field[0] = 0.0
