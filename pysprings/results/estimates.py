@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import PchipInterpolator
 
+from pysprings.core.arrays import Array
 from pysprings.core.columns import Table
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import kind_of
@@ -96,7 +98,7 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
         for at in (share * end for share in SHARES):
             motion = in_words(sign * at, rules.drives)
             values = {
-                each: factor * float(np.interp(at, *curve(path, rules.drives, rules.load)))
+                each: factor * _between(at, *curve(path, rules.drives, rules.load))
                 for each, path in paths.items()
             }
             yield {"part": f"path {name}", "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
@@ -116,10 +118,15 @@ def _py(common: Paths) -> Iterator[dict[str, Any]]:
             side = max(ends, key=lambda side: ends[side])
             for y in np.linspace(0.0, ends[side], POINTS) if ends[side] > LEAST else ():
                 values = {
-                    f"p_{each}_N_per_m": float(np.interp(y, *growing(moved(own, side), p)))
+                    f"p_{each}_N_per_m": _between(y, *growing(moved(own, side), p))
                     for each, (own, p) in curves.items()
                 }
                 yield {"path": name, "depth_m": float(depth), "y_m": side * float(y) + 0.0, **values}
+
+
+def _between(at: float, x: Array, values: Array) -> float:
+    """Return the monotone cubic through values at x at a place within their range (rounding beyond it is cut)."""
+    return float(PchipInterpolator(x, values)(min(at, x[-1])))
 
 
 def _common(runs: Mapping[str, Run]) -> Iterator[tuple[str, dict[str, xr.Dataset]]]:
