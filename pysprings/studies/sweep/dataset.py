@@ -204,6 +204,8 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
             "--picture", f"no quantity '{quantity}'{suggestion(quantity, list(known))}; there are: {', '.join(known)}"
         )
     if not over and not axes and (bars := _bars(data, known[quantity])):
+        if np.isnan(bars[0]):
+            raise refused("--picture", f"'{quantity}' has no answer with all ranges at best, which bars begin at")
         return _tornado(data, f"{quantity} [{known[quantity].attrs.get('units', '1')}]", *bars)
     chosen = list(over) or axes[:2]
     if not chosen or len(chosen) > 2 or not set(chosen) <= set(axes):

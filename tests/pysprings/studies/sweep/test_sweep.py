@@ -245,6 +245,9 @@ def test_a_tornado_has_a_bar_for_each_range_the_longest_on_top(ended, tmp_path):
         ]  # fmt: skip
         assert ends == pytest.approx([K[0], np.nan, K[2], K[3]], nan_ok=True)
         assert plot.lines[0].get_xdata()[0] == pytest.approx(K[1])
+        stopped = data.assign(status=data["status"].where(data["case_number"] != 2, "stopped"))
+        with pytest.raises(UserInputError, match="'K_H' has no answer with all ranges at best"):
+            draw(stopped, "K_H")
 
 
 def test_edits_of_cases_csv_count(ended, tmp_path):
