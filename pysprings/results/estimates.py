@@ -27,6 +27,8 @@ from pysprings.springs.tip_zone import on_slices, tip_zone
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.full_model.run_record import RunRecord
+
     Paths = Mapping[str, Mapping[str, xr.Dataset]]  # by name of the path, and by estimate
 
 SHARES = (0.1, 0.3, 1.0)  # of the motion that all runs reach, where loads are compared
@@ -148,6 +150,12 @@ def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
     return write_text("\n".join(lines) + "\n", folder / table)
 
 
+def _status(record: RunRecord) -> str:
+    """Return how a run ended, and the error of its mesh, which its loads have."""
+    error = (record.summary or {}).get("mesh error")
+    return f"{record.status}; mesh error: {error}" if error else str(record.status)
+
+
 def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFrame) -> list[Path]:
     """Draw each path of all runs over each other, and write the page with these pictures and the table."""
     from pysprings.results.plots.comparison import overlay
@@ -157,7 +165,8 @@ def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFr
     (folder / FIGURES).mkdir(exist_ok=True)
     files = [file for name, paths in common.items() for file in save(overlay(paths, name), folder / FIGURES / name)]
     pictures = [Picture(f"path {file.stem}", picture_uri(file.read_bytes(), file.suffix)) for file in files]
-    title = next(iter(runs.values())).result.attrs["title"]
-    status = {name: str(run.record.status) for name, run in runs.items()}
+    first, run = next(iter(runs.items()))
+    title = str(run.result.attrs["title"]).removesuffix(f" ({first} estimate)")
+    status = {name: _status(run.record) for name, run in runs.items()}
     page = page_html("estimates.html.j2", title=title, status=status, loads=table_of(loads), pictures=pictures)
     return [write_text(page, folder / "report.html"), *files]

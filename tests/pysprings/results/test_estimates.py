@@ -58,6 +58,7 @@ def test_a_folder_for_each_estimate_and_files_of_all(ran: tuple[Path, Result]) -
     assert (folder / "figures" / "pull.png").exists()
     page = (folder / "report.html").read_text()
     assert all(f'href="{name}/report.html"' in page for name in NAMES) and "data:image/png" in page
+    assert "(low estimate)" not in page and page.count("complete; mesh error: ") == len(NAMES)
 
 
 def test_loads_side_by_side_are_in_proportion_to_the_stiffness(ran: tuple[Path, Result]) -> None:
