@@ -100,8 +100,7 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
         for at in (share * end for share in SHARES):
             motion = in_words(sign * at, rules.drives)
             values = {
-                each: factor * _between(at, *curve(path, rules.drives, rules.load))
-                for each, path in paths.items()
+                each: factor * _between(at, *curve(path, rules.drives, rules.load)) for each, path in paths.items()
             }
             yield {"part": f"path {name}", "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
 
@@ -120,8 +119,7 @@ def _py(common: Paths) -> Iterator[dict[str, Any]]:
             side = max(ends, key=lambda side: ends[side])
             for y in np.linspace(0.0, ends[side], POINTS) if ends[side] > LEAST else ():
                 values = {
-                    f"p_{each}_N_per_m": _between(y, *growing(moved(own, side), p))
-                    for each, (own, p) in curves.items()
+                    f"p_{each}_N_per_m": _between(y, *growing(moved(own, side), p)) for each, (own, p) in curves.items()
                 }
                 yield {"path": name, "depth_m": float(depth), "y_m": side * float(y) + 0.0, **values}
 
