@@ -100,7 +100,8 @@ def target_lines(table: pd.DataFrame) -> Iterator[str]:
 NOTES = (
     "wall and CPU: the whole run with its files, springs and checks, caches of compiled code warm, no pictures; "
     "unit: one factorisation and solve of the run's own last tangent.",
-    "Errors at equal displacement beside the reference, worst path; its own uncertainty comes on top. Load max: largest difference over the largest "
+    "Errors at equal displacement beside the reference, worst path; its own uncertainty comes on top. "
+    "Load max: largest difference over the largest "
     "load; load area: area between the curves over that below; p-y: over the largest p, root mean square and largest "
     "over 8 slices of the skirt; rotation: largest difference over the largest (M of a translation, H of a rotation); "
     "stiffness: at rest; pressure: peak contact pressure down to 0.9 of the skirt.",
