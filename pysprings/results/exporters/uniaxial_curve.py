@@ -78,13 +78,14 @@ def table(spring: Spring, points: int) -> Table:
     share = (points - 1) // len(sides)
     if share < 1:
         raise ValueError(f"{points} points are too few")
-    halves = [_half(spring, end, share) for end in sides]
+    halves = {np.sign(end): _half(spring, end, share) for end in sides}
     if spring.odd:
-        q, f, error = halves[-1]
-        halves = [(-q, -f, error), (q, f, error)]
-    q = np.concatenate([*(half[0][::-1] for half in halves[:-1]), [0.0], halves[-1][0]])
-    f = np.concatenate([*(half[1][::-1] for half in halves[:-1]), [0.0], halves[-1][1]])
-    return Table(spring, q, f, max(half[2] for half in halves))
+        q, f, error = halves[1.0]
+        halves[-1.0] = -q, -f, error
+    none = np.zeros(0), np.zeros(0), 0.0
+    (q0, f0, _), (q1, f1, _) = (halves.get(sign, none) for sign in (-1.0, 1.0))
+    q, f = np.concatenate([q0[::-1], [0.0], q1]), np.concatenate([f0[::-1], [0.0], f1])
+    return Table(spring, q, f, max(half[2] for half in halves.values()))
 
 
 def _half(spring: Spring, end: float, n: int) -> tuple[Array, Array, float]:

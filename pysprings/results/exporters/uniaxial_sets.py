@@ -445,6 +445,7 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
     if points < FEWEST:
         raise refused("--option points", f"{points} is not from {FEWEST} to any number")
     springs, load = springs_at(source, given)
+    springs = springs.at(V=load)
     made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]), str(given["slices"]))
     rows = tables(made, points)
     torsion, first = known_torsion(springs.attrs), float(given["azimuth"] or 0.0)
@@ -456,7 +457,7 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
         *errors_by_role(springs, made.model, f"error of these springs beside {springs.reference}"),
     ]
     angles = tuple(first + np.pi / made.planes * k for k in range(made.planes))
-    head = [*header(source, target, frame, UNITS, at=springs.at(V=load)), *lost]
+    head = [*header(source, target, frame, UNITS, at=springs), *lost]
     return Prepared(head, rows, lost, made, springs, angles, torsion or 0.0)
 
 

@@ -173,6 +173,15 @@ def test_a_spring_that_loses_all_of_its_reaction_keeps_its_way_there(sign: float
     np.testing.assert_allclose(np.interp(x, one.q, one.f), spring.force(x), atol=1e-3)
 
 
+@pytest.mark.parametrize("program", ["calculix", "sacs"])
+def test_errors_are_those_on_paths_at_the_vertical_load_of_the_springs(tmp_path: Path, program: str) -> None:
+    tree = vertical_springs(heavier=(6e6,))
+    lines = export(Source(tree), program, tmp_path, springs="pisa", V=6e6).remarks
+    (errors,) = (line for line in lines if "calibration paths, largest" in line)
+    assert "slide_6" in errors or "turn_6" in errors
+    assert not any(f"({name})" in line for line in lines for name in ("slide", "turn"))
+
+
 def test_straight_lines_are_those_of_the_tables(made: Uniaxial) -> None:
     given = tables(made, 20)
     model = with_tables(made, given)
