@@ -105,7 +105,7 @@ def test_p_y_cards_carry_the_lateral_force_of_the_springs(source: Source, cards:
 
 @pytest.mark.parametrize("ends", [(1e-2, -1e-2), (1e-2,), (-1e-2,)])
 def test_t_z_and_q_z_cards_carry_the_vertical_force(tmp_path: Path, ends: tuple[float, ...]) -> None:
-    """In compression and tension, or the one that is known, over the outer circumference and the annulus of the wall."""
+    """In compression and tension, where these are known, over the outer circumference and the annulus of the wall."""
     tree = vertical_springs(ends=ends)
     export(Source(tree), "sacs", tmp_path, springs="pisa", points=12)
     springs, families = Springs.of(tree), read((tmp_path / "caisson_sacs.inp").read_text().splitlines())
