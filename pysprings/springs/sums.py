@@ -26,6 +26,23 @@ def action(name: str, depth: float, height: float, length: float) -> tuple[float
     }[name]
 
 
+def displacement_at(path: xr.Dataset, depth: float) -> np.ndarray:
+    """Return y [m] (step,) of lid (depth 0) or tip: u - rotation*depth, and at the tip what the steel has bent.
+
+    That of the last two slices goes on to the tip.
+    """
+    u, rotation, z = (path[name].values for name in ("u", "rotation", "depth"))
+    rigid = u - rotation * depth
+    if depth == 0.0 or z.size < 2:
+        return rigid
+    y = path["y"].transpose("depth", "step").values[-2:]
+    bent = y - (u - rotation * z[-2:, None])
+    if np.abs(bent).max(initial=0.0) <= BALANCED * np.abs(y).max(initial=0.0):
+        return rigid
+    found: np.ndarray = rigid + bent[1] + (bent[1] - bent[0]) * (depth - z[-1]) / (z[-1] - z[-2])
+    return found
+
+
 def with_moment(p: np.ndarray, moment: np.ndarray, depth: np.ndarray, heights: np.ndarray) -> np.ndarray:
     """Return p (depth, ..., step) [N/m] whose moment about the lid is ``moment`` (..., step) [N m]; its force stays.
 

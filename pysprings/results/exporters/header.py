@@ -45,6 +45,10 @@ _ERRORS = {
 _PREDICT = ("fan", "full", "py")  # spring sets in the order in which `predict` takes them
 # attributes of springs on their scene, and the words before them
 _OF_SCENE = {"defaulted": "by default, not given in the scene", "remarks": "remarks on the scene"}
+_STEEL = (
+    "elastic caisson: these springs have the bending of its steel in them, for motions of the lid centre; a skirt that "
+    "bends, too, would count it twice"
+)
 BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
 
 
@@ -84,6 +88,7 @@ def header(
         *([] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]),
         *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),
         use,
+        *([_STEEL] if attrs.get("caisson_behaviour") == "elastic" else []),
         *_ranges(at or given),
         *_errors(source.comparison, given.reference, V, kind),
         source.mesh_error,

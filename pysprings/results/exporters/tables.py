@@ -18,7 +18,7 @@ import xarray as xr
 from pysprings.core.arrays import Array, Integers
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
-from pysprings.springs.sums import by_depth, net_m
+from pysprings.springs.sums import by_depth, displacement_at, net_m
 
 # Column -> variable of a result path. The order is part of the public contract.
 LOAD_DISPLACEMENT = {
@@ -154,7 +154,7 @@ def _end_rows(path: xr.Dataset, family: str) -> pd.DataFrame:
     depth = float(path["depth_bounds"].values[-1, 1]) if family == "base" else 0.0
     step = np.arange(path.sizes["step"])
     data: dict[str, Any] = {"family": family, "depth_m": depth, "depth_top_m": depth, "depth_bottom_m": depth}
-    data |= {"step": step, "y_m": path["u"].values - path["rotation"].values * depth} | _motion(path, step)
+    data |= {"step": step, "y_m": displacement_at(path, depth)} | _motion(path, step)
     forces = {"H_N": f"H_{part}", "V_N": f"V_{part}", "M_Nm": f"M_{part}"}
     return pd.DataFrame(data | {column: path[name].values for column, name in forces.items()})
 

@@ -32,7 +32,7 @@ from pysprings.results.exporters.tables import with_net
 from pysprings.results.sheets import HEAD, PLAIN_CELLS
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import by_depth
+from pysprings.springs.sums import by_depth, displacement_at
 
 # Line of the About sheet -> defined name of its number.
 LENGTHS = {
@@ -367,7 +367,7 @@ def _tz(book: Book, sheet: Any) -> None:
 
 def _end(book: Book, sheet: Any, part: str) -> None:
     depth = float(book.springs.attrs["skirt_length_m"]) if part == "tip" else 0.0
-    y = [(path["u"].values - path["rotation"].values * depth) * MM for path in book.paths.values()]
+    y = [displacement_at(path, depth) * MM for path in book.paths.values()]
     names = list(book.paths)
     columns = [Cells("y [mm]", y, name=f"y_{sheet.name}"), book.of(names, "rotation"), book.of(names, "w")]
     columns += [book.of(names, f"{load}_{part}", f"{load}_{sheet.name}") for load in ("H", "V", "M")]

@@ -92,6 +92,30 @@ def test_tables_of_springs_end_where_the_water_would_cavitate(springs, tmp_path)
     assert f"1 lateral paths: |u| to {1e3 * np.abs(given.paths['pull'].u).max():.4g} mm" in line
 
 
+def test_the_tip_of_a_bent_skirt_is_where_its_sections_lead(springs, tmp_path):
+    """y with a parabola by depth: that of the last two slices goes on; of the lid it is u."""
+    tree = springs.copy(deep=True)
+    tree.attrs["caisson_behaviour"] = "elastic"
+    for name in ("pull", "high"):
+        path = tree[f"paths/{name}"].to_dataset(inherit=False)
+        tree[f"paths/{name}"] = path.assign(y=path["y"] + 0.1 * path["rotation"] * path["depth"] ** 2)
+    exporters.export(tree, "csv", tmp_path / "py.csv")
+    exporters.export(tree, "xlsx", tmp_path / "springs.xlsx")
+    table = pd.read_csv(tmp_path / "py.csv").query("path == 'pull'")
+    net = table.query("family == 'py' and side == 'net' and component == 'total'").pivot(
+        index="step", columns="depth_m", values="y_m"
+    )
+    (z0, z1), y = net.columns[-2:], net.to_numpy()[:, -2:]
+    tip, lid = (table[table["family"] == family] for family in ("base", "lid"))
+    expected = y[:, 1] + (y[:, 1] - y[:, 0]) / (z1 - z0) * (tip["depth_m"] - z1)
+    np.testing.assert_allclose(tip["y_m"], expected, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(lid["y_m"], tree["paths/pull"]["u"], rtol=1e-9)
+    sheet = [row for row in openpyxl.load_workbook(tmp_path / "springs.xlsx")["base"].values if row[0] == "pull"]
+    np.testing.assert_allclose([row[2] for row in sheet], 1e3 * expected, rtol=1e-6, atol=1e-9)
+    assert any(line.startswith("elastic caisson") for line in header(Source(tree), "", "", ""))
+    assert not any(line.startswith("elastic caisson") for line in header(Source(springs), "", "", ""))
+
+
 def test_py_has_the_contracts_columns_and_no_comment(folder):
     file = folder / "py.csv"
     assert file.read_text().splitlines()[0] == PY_COLUMNS
