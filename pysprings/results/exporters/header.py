@@ -72,8 +72,10 @@ def header(
     kind : Spring set whose errors it has; that which predicts without one.
     """
     attrs, given = source.springs.attrs, Springs.of(source.springs)
-    rates = ", ".join(f"{1e3 * each.rate:.4g} mm/s" for each in (at or given).rate_sets)
-    V = None if at is None else at.path().load
+    V, rates = None if at is None else at.path().load, [each.rate for each in given.rate_sets]
+    if at is not None and rates:
+        rates = [float(at.attrs.get("rate_m_per_s", at.path().rate))]
+    rate = ", ".join(f"{1e3 * each:.4g} mm/s" for each in rates)
     return [
         f"{target}, written by pysprings {__version__}",
         f"scene: {attrs.get('title', 'not recorded')}; sha256 {attrs.get('scene_sha256', 'not recorded')}",
@@ -83,7 +85,7 @@ def header(
         *_of_atlas(given),
         f"frame: {frame}",
         f"units: {units}",
-        f"drainage: {given.drainage}; rate: {rates or 'none: the springs do not depend on it'}; "
+        f"drainage: {given.drainage}; rate: {rate or 'none: the springs do not depend on it'}; "
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
         *([] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]),
         *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Springs at a rate between those of the runs they come from."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +10,7 @@ import xarray as xr
 from pysprings.core.errors import UserInputError
 from pysprings.macro.comparison import compare, merge_slices
 from pysprings.macro.model import MacroModel, spring_sets
+from pysprings.results import exporters
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.path_sets import blend
 from pysprings.springs.springs import Springs
@@ -136,6 +139,20 @@ def test_every_answer_names_the_rate_of_its_springs() -> None:
     one = MacroModel.from_springs(at_two_rates(speeds=(2e-3,)))
     assert any(words.format("2") in text for text in one.remarks)
     assert not any("of rho" in text for text in MacroModel.from_springs(synthetic.make_springs(RAYS)).remarks)
+
+
+@pytest.mark.parametrize(("asked", "named"), [(1e-5, "0.01"), (1e-4, "0.1"), (1e-3, "1"), (None, "0.01, 1")])
+def test_a_file_for_another_program_names_the_rate_of_its_springs(
+    tmp_path: Path, asked: float | None, named: str
+) -> None:
+    """A matrix at rest is that of all rates."""
+    tree = at_two_rates()
+    if asked is None:
+        (file, *_) = exporters.export(tree, "subdyn", tmp_path).files
+        text = file.read_text()
+    else:
+        text = exporters.text(tree, "beam", rate=asked)
+    assert f"coupled; rate: {named.replace(', ', ' mm/s, ')} mm/s; vertical load" in text
 
 
 def test_compare_answers_every_path_at_its_own_rate() -> None:
