@@ -73,8 +73,8 @@ def header(
     """
     attrs, given = source.springs.attrs, Springs.of(source.springs)
     V, rates = None if at is None else at.path().load, [each.rate for each in given.rate_sets]
-    if at is not None and rates:
-        rates = [float(at.attrs.get("rate_m_per_s", at.path().rate))]
+    if at is not None and rates and (own := at.attrs.get("rate_m_per_s", at.path().rate)):
+        rates = [float(own)]
     rate = ", ".join(f"{1e3 * each:.4g} mm/s" for each in rates)
     return [
         f"{target}, written by pysprings {__version__}",
