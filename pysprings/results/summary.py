@@ -271,9 +271,8 @@ def _mesh_limits(estimate: Mapping[str, Any]) -> list[str]:
         return [f"the mesh error of load is unknown ({estimate.get('why_not', 'run it with --estimate-error')})"]
     if size <= _GOOD_MESH:
         return []
-    path = max(
-        estimate.get("by_path") or {}, key=lambda name: estimate["by_path"][name].get("load_pct", 0.0), default=""
-    )
+    by_path = {name: each.get("load_pct", 0.0) for name, each in (estimate.get("by_path") or {}).items()}
+    path = max((name for name in by_path if by_path[name] <= size), key=by_path.__getitem__, default="")  # not of V
     on = f" on path {path}" if path else ""
     return [f"the mesh error of load is {percent(size)}{on}: run it with --target-error {_GOOD_MESH:g}%"]
 

@@ -486,6 +486,7 @@ def _extrapolated(
         "paths": names,
         "one_mesh": not_alike,
         "left": two_mesh.left_in(scene),
+        "least": {} if scene.ground.total_stress else two_mesh.LEAST_IN_SAND,
     }
     if corrected:
         how["harmonics_added"] = corrected

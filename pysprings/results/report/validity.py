@@ -13,8 +13,7 @@ from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, with_prefix
 from pysprings.core.words import SOLVED, TILTS
-from pysprings.full_model.accuracy.measures import MEASURES
-from pysprings.full_model.accuracy.two_mesh import LEFT
+from pysprings.full_model.accuracy.two_mesh import LEFT, head
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS, SPACE_NOTE
 from pysprings.results.parts import openings
@@ -211,6 +210,7 @@ def estimate_table(run: RunRecord | None) -> Table | None:
         "load_max": "load, largest difference / largest load",
         "py_rms": "p(y), root mean square / largest p",
         "rotation_max": "rotation, largest difference / largest rotation",
+        "vertical_max": "V of vertical paths, largest difference / largest change",
         "stiffness": "initial stiffness",
     }
     rows = [
@@ -223,9 +223,10 @@ def estimate_table(run: RunRecord | None) -> Table | None:
     )
     factor = f"safety factor {estimate['safety']:g} times difference / (r^order - 1)"
     if (how := estimate.get("extrapolated") or {}).get("paths"):
-        left = ", ".join(f"{share:g} ({MEASURES[name].head})" for name, share in how["left"].items())
+        left = ", ".join(f"{share:g} ({head(name)})" for name, share in how["left"].items())
         note += "extrapolated by difference / (r^order - 1), which leaves these shares of the difference: "
         note += f"{left}; else {factor}."
+        note += "".join(f" {head(name)} is {size:g} % at least." for name, size in how.get("least", {}).items())
     else:
         note += f"{factor}."
     if series := estimate.get("harmonics"):
