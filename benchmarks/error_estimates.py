@@ -29,7 +29,7 @@ from pysprings import Scene
 from pysprings.core import version
 from pysprings.core.errors import PyspringsError
 from pysprings.core.storage import read_tree, write_tree
-from pysprings.full_model.accuracy import measures, two_mesh
+from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.measures import cell_size, curves_of, samples
 from pysprings.full_model.accuracy.own_estimate import add_estimate, companions_of
 from pysprings.full_model.accuracy.presets import read_mesh
@@ -222,7 +222,7 @@ def true_errors(run: Any, series: Sequence[Any]) -> tuple[dict[str, float], dict
         errors.append(measures.errors(each["run"], {name: one.values for name, one in reference.items()}))
         doubts.append(measures.uncertainty(reference))
     worst = (measures.worst(errors), measures.worst(doubts))
-    true, doubt = ({name: each[name] for name in two_mesh.ESTIMATED} for each in worst)
+    true, doubt = ({name: each[name] for name in WORDS} for each in worst)
     return true, doubt
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Settings of the study, the choice by target error, and the two-mesh estimate on results with a known order."""
 
+import math
 import re
 import time
 from collections.abc import Callable
@@ -25,7 +26,8 @@ from pysprings.model.mesh import PRESETS as MESHES
 from pysprings.scene.template import template_text
 from pysprings.springs.path import paths_of
 from tests.support import tiny
-from tests.support.measured import with_error
+from tests.support.measured import measured_result, with_error
+from tests.support.synthetic import Path
 
 
 def test_the_default_study() -> None:
@@ -147,11 +149,40 @@ def test_the_estimate_is_the_safety_factor_times_the_error_where_the_order_is_tr
 
 @pytest.mark.parametrize(("length", "load", "py"), [(3.9, 0.875, 1.4), (4.0, 0.35, 0.9), (6.0, 0.35, 0.9)])
 def test_clay_and_its_short_skirts_leave_more_of_the_difference(length: float, load: float, py: float) -> None:
-    """The shares that the scenes of data/evidence/error-estimates-clay.csv and -sand.csv ask for."""
+    """The shares that the scenes of data/evidence/error-estimates-clay.csv ask for."""
     clay = tiny.parsed(template_text("soft-clay")).replace(caisson={"outer_diameter": 8.0, "skirt_length": length})
-    assert two_mesh.left_in(clay) == {"load_max": load, "rotation_max": 0.4, "py_rms": py}
+    assert two_mesh.left_in(clay) == {"load_max": load, "vertical_max": load, "rotation_max": 0.4, "py_rms": py}
+
+
+def test_sand_leaves_the_shares_that_its_scenes_ask_for() -> None:
+    """data/evidence/error-estimates-sand.csv, -dense.csv; the length of the skirt has no part in them."""
+    frictional = {"load_max": 0.6, "vertical_max": 0.35, "rotation_max": 0.4, "py_rms": 0.9}
     short = tiny.sand().replace(caisson={"skirt_length": 1.0})
-    assert two_mesh.left_in(short) == {"load_max": 0.35, "rotation_max": 0.4, "py_rms": 0.9}
+    assert two_mesh.left_in(short) == two_mesh.left_in(tiny.sand()) == frictional
+    dense = tiny.sand(soil={"yield_surface": "sand", "relative_density": 0.7})
+    assert two_mesh.left_in(dense) == frictional | {"load_max": 0.7}
+
+
+def pushed(unknowns: int, factor: float) -> xr.DataTree:
+    """A push on a mesh of so many unknowns, whose V changes by so many times the limit."""
+    tree = measured_result(paths=(Path("down", kind="vertical"),)).copy(deep=True)
+    path = tree["paths/down"]
+    path["w"] = 1e-3 * path["step"]
+    path["V"] = 5e6 + factor * 1e8 * path["w"]
+    tree.attrs |= {"n_unknowns": unknowns, "status": "complete"}
+    return tree
+
+
+def test_the_load_of_a_vertical_path_is_stated_apart_and_is_no_less_than_meshes_leave_in_common() -> None:
+    """V of a push differs by 2 % of its change; the lateral pull, which counts as load, by 1 %."""
+    fine, coarse = pushed(9000, 1.0), pushed(3000, 1.02)
+    assert two_mesh.differences(fine, coarse)["down"]["vertical_max"] == pytest.approx(2.0)
+    assert math.isnan(two_mesh.differences(fine, coarse)["down"]["load_max"])
+    how: dict[str, Any] = {"paths": ["down"], "order": 2.0, "left": {"vertical_max": 0.35}}
+    for least, stated in ((0.0, 0.7), (4.0, 4.0)):
+        found = two_mesh.estimate(fine, coarse, extrapolated=how | {"least": {"vertical_max": least}})
+        assert found["estimate_pct"]["vertical_max"] == found["by_path"]["down"]["load_pct"] == pytest.approx(stated)
+        assert "load_max" not in found["estimate_pct"] and f"V {stated:g} %" in two_mesh.short(found)
 
 
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
@@ -351,6 +382,7 @@ def test_an_estimate_names_its_worst_path_and_where_the_companion_stopped() -> N
     for tree, other in ((far, near), (fine, with_error(9000, harmonics=3))):
         tree["paths/second"] = other["paths/pull"].copy()
     far["paths/second"] = far["paths/second"].to_dataset().isel(step=slice(0, -1))
+    far["paths/shift"]["p"] = 1.1 * far["paths/shift"]["p"]
     stopped = PathFigures(Status.PARTIAL, StopReason.APEX)
     done, coarse = finished(fine), finished(far, Status.PARTIAL)
     coarse.record.paths["second"] = stopped
