@@ -58,7 +58,7 @@ ORDERS = {
 SHORT = 0.5
 UNSURE = {
     "sand": {LOAD: 0.6, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
-    "sand by density": {LOAD: 0.7, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
+    "sand by density": {LOAD: 1.0, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
     "clay": {LOAD: 0.35, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
     "short skirt in clay": {LOAD: 0.875, VERTICAL: 0.875, OTHER: 0.4, PY: 1.4},
 }
