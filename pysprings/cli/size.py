@@ -99,10 +99,10 @@ def _files(search: Search, best: Candidate, out: Path, formats: Sequence[str]) -
 
 
 def _print(search: Search, best: Candidate, checked: pd.DataFrame | None) -> None:
-    print_table(Table.of(_LEAST, [vars(best)]))
-    print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
     from pysprings.studies.sizing import remarks_on
 
+    print_table(Table.of(_LEAST, [vars(best)]))
+    print(f"{len(search.tried)} caissons tried on {search.atlas.source}; correction {search.correction:.4g}")
     for text in remarks_on(search, best, checked is not None):
         print(f"note: {text}")
     if checked is None:
