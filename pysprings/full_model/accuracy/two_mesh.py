@@ -198,10 +198,9 @@ def estimate(
                 continue
             left = left_of.get(name, whole) if path in better else whole
             estimates[path][name] = left * each[name] + more[path]
-            if quantity == OTHER and path in better:  # meshes may agree by chance
-                estimates[path][name] = max(estimates[path][name], estimates[path].get("load_max", 0.0))
-            if path in better:
-                estimates[path][name] = max(estimates[path][name], least.get(name, 0.0))
+            if path in better:  # meshes may agree by chance
+                floor = estimates[path].get("load_max", 0.0) if quantity == OTHER else least.get(name, 0.0)
+                estimates[path][name] = max(estimates[path][name], floor)
         for key, values in (("difference_pct", own), ("harmonics_pct", beyond)):
             finite = [each[name] for each in values.values() if np.isfinite(each[name])]
             if finite and key in result:

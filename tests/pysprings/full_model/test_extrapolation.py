@@ -92,6 +92,7 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
     record, tree = found().record, found().tree
     assert record.error_estimate is not None
     assert record.error_estimate["extrapolated"]["paths"] == ["pull", "back", "down"]
+    assert record.error_estimate["by_path"]["down"]["load_pct"] >= two_mesh.LEAST_IN_SAND["vertical_max"]
     assert [text for text in record.remarks if "path load has the reactions of one mesh: a load drives it" in text]
     xr.testing.assert_identical(paths_of(tree)["load"].dataset, paths_of(tree, of_mesh=True)["load"].dataset)
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]

@@ -103,7 +103,7 @@ def test_the_header_names_origin_conditions_and_errors(folder: Path) -> None:
 def test_range_and_errors_are_those_of_the_springs_in_the_file(
     tmp_path: Path, kind: str, V: float | None, at: float
 ) -> None:
-    """Of several vertical loads those of one; a path that checks them at another load says nothing of these."""
+    """Of several vertical loads those of one; a path held back at another load is no check of these."""
     tree = loaded.springs().tree.copy()
     light = tree["paths/ray_0_1"].to_dataset(inherit=False)
     tree["paths/held"] = xr.DataTree(light.assign_attrs(role="held-back"))

@@ -56,6 +56,10 @@ def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(
     assert lines["springs"].endswith("displacement: H 1 %, rotation 2 %; of u at equal load: 69 %")
     assert lines["use"].startswith("predictions within the range, u under a load up to 69 % off")
     assert "their error is above" not in lines["use"]
+    by_path = {"ray": {"load_pct": 6.0}, "down": {"load_pct": 9.0}}  # that of V is no load of lateral paths
+    record.error_estimate = {"estimate_pct": {"load_max": 6.0, "vertical_max": 9.0}, "by_path": by_path}
+    lines = summary(read_tree(folder / "full_model.nc"), record, held, springs)
+    assert "the mesh error of load is 6 % on path ray: run it" in lines["use"] and "V 9 %" in lines["mesh error"]
     lines = summary(read_tree(folder / "full_model.nc"), record, held.assign(u_error_max_pct=np.nan), springs)
     assert lines["springs"].endswith("rotation 2 %") and "off" not in lines["use"]
 
