@@ -70,7 +70,12 @@ def remarks(scene: SceneSections) -> list[str]:
     """Return a sentence on values beyond their common range, what the ground is made to be, and paths off a plane."""
     beyond = [path.name for path in scene.paths if path.in_space]
     off_plane = [f"off a plane, reactions of one mesh, not extrapolated: {', '.join(beyond)}"]
-    of_ground = [*moved_layers(scene.soil, scene.extent), *_without_strength(scene), *implausible(scene)]
+    of_ground = [
+        *moved_layers(scene.soil, scene.extent),
+        *_without_strength(scene),
+        *_unknown(scene),
+        *implausible(scene),
+    ]
     return of_ground + (off_plane if beyond else [])
 
 
@@ -162,6 +167,15 @@ def _without_strength(scene: SceneSections) -> Iterator[str]:
         return
     why = "su is 0 there" if first.total_stress else "soil.surcharge is 0, and it has no cohesion"
     yield f"layer '{first.name}' has no strength at mudline: {why}; a soil.surcharge stands for what lies on it"
+
+
+def _unknown(scene: SceneSections) -> Iterator[str]:
+    """Yield a remark where the values of the last layer are not known to a diameter below the skirt tip."""
+    last, tip = scene.soil.layers[-1:], scene.caisson.skirt_length
+    for layer in last:
+        if layer.known_to is not None and layer.known_to < tip + scene.caisson.outer_diameter:
+            known = f"layer '{layer.name}': its values are known to {layer.known_to:g} m and hold on below"
+            yield f"{known}: the skirt tip stands at {tip:g} m, and the ground to a diameter below it carries"
 
 
 # --- common ranges of every number of a scene, and a sentence on each value beyond its own ---

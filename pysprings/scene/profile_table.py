@@ -180,6 +180,7 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
         table.faults.add((table.place, None), None, f"holds {len(layers)} layers, at most {MOST_LAYERS}: join some")
     table.faults.stop()
     if np.isfinite(ends[1][-1]):
+        layers[-1]["known_to"] = show(float(ends[1][-1]), "m")
         for value in layers[-1].values():
             for each in value.values() if is_range(value) else (value,):
                 if isinstance(each, dict):

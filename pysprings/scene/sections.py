@@ -200,6 +200,10 @@ class LayerPlace(Section):
         str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)
     ] = None
     drainage: Annotated[str | None, _DRAINED] = None
+    known_to: Annotated[
+        float | None,
+        Quantity("m", "(0, 1e4]", "depth to which its values are known; they hold on below it", "20 m", optional=True),
+    ] = None
     remark: Annotated[str | None, Text("what a reader of results has to know of its values", optional=True)] = None
 
 

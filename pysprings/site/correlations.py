@@ -16,12 +16,13 @@ from pysprings.core.arrays import Array, Marks
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils.friction import LEAST_STIFFNESS
 from pysprings.scene.soils.sand import mobilisation
-from pysprings.site.sounding import LEAST_STRESS, PA, unit_weight
+from pysprings.site.sounding import LEAST_STRESS, PA, SAND_TO, unit_weight
 
 GRAVITY = 9.81  # m/s2
 CRITICAL = np.radians(33.0)  # critical-state friction angle of quartz sand (Bolton 1986)
 K0_NC = 0.5  # of normally consolidated sand, where a correlation needs one
 LEAST_PRESSURE = 150.0e3  # Pa, smallest p' in Bolton's index (his reply to the discussion)
+HELD = (0.05, 1.0)  # D_r of correlations
 CONE_FACTORS = (10.0, 14.0, 18.0)  # N_kt that give su high, best, low
 
 
@@ -58,25 +59,38 @@ class Rows:
 
 @dataclass(frozen=True)
 class Correlation:
-    """A formula: the key that it gives, its authors, the text of its range, its values, and which rows are inside."""
+    """A formula: the key that it gives, its authors, the text of its range, its values, and which rows are inside.
+
+    free : rows whose value is not held at an end of what the key may be.
+    """
 
     gives: str
     name: str
     range: str
     of: Callable[[Rows], Array]
     inside: Callable[[Rows], Marks]
+    free: Callable[[Rows], Marks] = lambda rows: np.full(rows.cone.shape, True)
 
 
 def _jamiolkowski(rows: Rows) -> Array:
     # D_r = ln((q_c/p_a)/(24.94 (s'_m/p_a)^0.46))/2.96 of dry sand, times 1 + (-1.87 + 2.32 ln(q_c/(p_a s'_v0)^0.5))/100
     mean = rows.stress * (1.0 + 2.0 * K0_NC) / 3.0
     dry = np.log(rows.cone / PA / (24.94 * (mean / PA) ** 0.46)) / 2.96
-    return np.clip(dry * (1.0 + (2.32 * np.log(rows.cone / np.sqrt(PA * rows.stress)) - 1.87) / 100.0), 0.05, 1.0)
+    return dry * (1.0 + (2.32 * np.log(rows.cone / np.sqrt(PA * rows.stress)) - 1.87) / 100.0)
 
 
 def _baldi(rows: Rows, factor: float, rate: float) -> Array:
     # D_r = ln(q_c/(C_0 s'^0.55))/C_2, stresses in kPa
-    return np.clip(np.log(rows.cone / 1e3 / (factor * (rows.stress / 1e3) ** 0.55)) / rate, 0.05, 1.0)
+    return np.log(rows.cone / 1e3 / (factor * (rows.stress / 1e3) ** 0.55)) / rate
+
+
+def _by_density(name: str, text: str, of: Callable[[Rows], Array]) -> Correlation:
+    """Return a correlation of D_r, held between a twentieth and one."""
+    return Correlation(
+        "relative_density", name, text, lambda r: np.clip(of(r), *HELD),
+        lambda r: (r.effective >= 50e3) & (r.effective <= 400e3) & ~(r.index > SAND_TO),
+        lambda r: (of(r) >= HELD[0]) & (of(r) <= HELD[1]),
+    )  # fmt: skip
 
 
 def _kulhawy(rows: Rows) -> Array:
@@ -138,10 +152,6 @@ def _su(factor: float) -> Callable[[Rows], Array]:
     return lambda rows: np.where(rows.net > 0.0, rows.net / factor, np.nan)
 
 
-def _chamber(rows: Rows) -> Marks:
-    return (rows.effective >= 50e3) & (rows.effective <= 400e3)
-
-
 def _density_in(rows: Rows) -> Marks:
     return (rows.density >= 0.1) & (rows.density < 1.0)
 
@@ -150,7 +160,7 @@ def _young(rows: Rows) -> Marks:
     return (rows.index >= 1.0) & (rows.index <= 4.0)
 
 
-_CHAMBER = "s'_v0 50 to 400 kPa"
+_CHAMBER = "s'_v0 50 to 400 kPa, I_c to 2.60, D_r to 1"
 _DENSE = "D_r 0.1 to 1"
 _ROBERTSON = Correlation(
     "shear_modulus", "Robertson and Cabal 2015", "I_c 1 to 4, uncemented, Holocene to Pleistocene", _robertson, _young
@@ -162,11 +172,9 @@ _WEIGHTS = (
                 lambda r: (r.effective >= 10e3) & (r.effective <= 500e3)),
 )  # fmt: skip
 SAND = (
-    Correlation("relative_density", "Jamiolkowski et al. 2003", f"{_CHAMBER}, K0 0.4 to 1.5", _jamiolkowski, _chamber),
-    Correlation("relative_density", "Baldi et al. 1986, NC", _CHAMBER, lambda r: _baldi(r, 157.0, 2.41), _chamber),
-    Correlation(
-        "relative_density", "Baldi et al. 1986, OC (K0 1)", _CHAMBER, lambda r: _baldi(r, 181.0, 2.61), _chamber
-    ),
+    _by_density("Jamiolkowski et al. 2003", f"{_CHAMBER}, K0 0.4 to 1.5", _jamiolkowski),
+    _by_density("Baldi et al. 1986, NC", _CHAMBER, lambda r: _baldi(r, 157.0, 2.41)),
+    _by_density("Baldi et al. 1986, OC (K0 1)", _CHAMBER, lambda r: _baldi(r, 181.0, 2.61)),
     *_WEIGHTS,
     Correlation(
         "effective_unit_weight", "Brinkgreve et al. 2010", _DENSE, lambda r: 19.0e3 + 1.6e3 * r.density - WATER,

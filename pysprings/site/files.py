@@ -34,7 +34,7 @@ from pysprings.scene.profile_table import (
 from pysprings.scene.sections import BY_LAYER
 from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
-from pysprings.site.sounding import Sounding, sounding, usable
+from pysprings.site.sounding import Sounding, are_elevations, sounding, usable
 
 _DEPTHS = ("depth", "z", *NAMES["depth"], "penetration length", "sondeerlengte", "diepte", "tiefe", "scpt dpth")
 _CONE = ("qc", "q c", "cone resistance", "cone resistance qc", "tip resistance", "cone tip resistance",
@@ -47,6 +47,7 @@ _TEST_COLUMNS = (
                         "kleef", "mantelreibung", "scpt fres"), "MPa"),
     Column("u2", "Pa", ("u 2", "pore pressure u2", "pore pressure", "waterspanning u2", "scpt pwp2"), "MPa"),
     Column("u", "Pa", (), "MPa"), Column("Qt", "*", ("Qtn",), skipped="follows from the others"),
+    Column("area ratio", "1", ("cone area ratio", "net area ratio"), "", "", 0.01),
     Column("Rf", "1", ("r f", "friction ratio", "friction ratio rf", "wrijvingsgetal"), "", "", 0.01),
     Column("location", TEXT, ("location identifier", "loca id", "borehole", "hole", "cpt", "bh")),
 )  # fmt: skip
@@ -194,14 +195,19 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     for k in [k for k, each in enumerate(names) if not each] if len(set(names) - {""}) > 1 else ():
         table.fault(k, "location", "is blank: name the test of each row")
     table.fault_without_unit("Rf")
-    given = {name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u")}
+    given = {
+        name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u", "area ratio")
+    }
     table.faults.stop()
-    given["u2"] = np.where(np.isfinite(given["u2"]), given["u2"], given.pop("u"))
+    plain = np.isnan(given["u2"]) & np.isfinite(given["u"])
+    given["u2"] = np.where(plain, given.pop("u"), given["u2"])
+    notes = ["u is taken as u2, behind the cone"] * bool(plain.any())
     locations = list(dict.fromkeys(each for each in names if each)) or [""]
 
     def test(name: str) -> Sounding:
         own = np.array([each in (name, "") for each in names])
-        return sounding(table.place, name or path.stem, {key: value[own] for key, value in given.items()})
+        part = {key: value[own] for key, value in given.items()}
+        return sounding(table.place, name or path.stem, part, remarks=notes)
 
     return usable(partial(test, name) for name in locations)
 
@@ -220,6 +226,9 @@ def _points(path: Path, sheets: list[Sheet]) -> Points:
         message = "no column of values: su [kPa], Total unit weight [kN/m3], Gmax [MPa], Vs [m/s], Dr [-], phi [deg]"
         raise refused(path, message, table.head_line)
     good = np.isfinite(depth) & (depth >= 0.0)
+    if are_elevations(known := depth[np.isfinite(depth)]) and known.max() > 0.0:
+        text = f"depths fall from {known[0]:g} to {known[-1]:g} m: elevations? points count from mudline, 0 m, down"
+        raise refused(path, text, table.head_line)
     if not good.any():
         raise refused(path, "no row has a depth below mudline, 0 or more", table.head_line)
     if count := int((~good).sum()):
@@ -261,6 +270,8 @@ def _values(table: Table, end: str = "") -> dict[str, Array]:
         return np.where(np.isfinite(there), there, own)
 
     out, total = {}, column(TOTAL)
+    if VELOCITY in table and TOTAL not in table:
+        table.fault(None, VELOCITY, "needs the total unit weight beside it: G = rho Vs^2")
     for key in BY_LAYER:
         given, (name, of) = column(key), _OTHERS.get(key, (key, lambda values, _: values))
         values = np.where(np.isfinite(given), given, of(column(name), total))

@@ -6,7 +6,9 @@ page each. pygef would bring polars (172 MB), python-ags4 holds pandas below 3.
 """
 
 import csv
+import itertools
 import re
+import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -16,20 +18,21 @@ import numpy as np
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables import Faults, TableNote
 from pysprings.core.text import one_line
 from pysprings.core.units import quoted
 from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import WATER
 from pysprings.site.sounding import Sounding, sounding, usable
 
-MOST_FAULTS = 5  # rows of a file that are named
 MOST_NAMED = 200  # characters of a description
 _DEPTHS = re.compile(r"^[\d.]+ ?m to [\d.]+ ?m[ :-]*")  # before it
 _UNITS = {
     "m": 1.0, "cm": 1e-2, "mm": 1e-3, "mpa": 1e6, "mn/m2": 1e6, "n/mm2": 1e6, "kpa": 1e3, "kn/m2": 1e3, "pa": 1.0,
     "bar": 1e5, "%": 1e-2,
 }  # fmt: skip
-_LENGTHS, _EXPECTED = ("m", "cm", "mm"), {"depth": "m", "Rf": "%"}
+_LENGTHS, _EXPECTED = ("m", "cm", "mm"), {"depth": "m", "length": "m", "Rf": "%"}
+LEAST_OFF = 0.01  # m, between depth and length of the rods, that is stated
 
 
 def refused(path: Path, message: str, line: int | None = None) -> UserInputError:
@@ -37,21 +40,35 @@ def refused(path: Path, message: str, line: int | None = None) -> UserInputError
     return UserInputError([Problem(str(path), line, message=message)])
 
 
-def _scale(path: Path, channel: str, unit: str, line: int, what: str) -> float:
-    """Return the factor to SI of a unit, whose word may be followed by its meaning; refuse one of another kind."""
+def _scale(faults: Faults, path: Path, channel: str, unit: str, line: int, what: str) -> float:
+    """Return the factor to SI of a unit, whose word may be followed by its meaning; note one of another kind."""
     word = unit.replace("²", "2").split("(")[0].split()[:1]
     name = word[0].lower() if word else ""
     kind = "m" if name in _LENGTHS else name if name == "%" else "MPa"
     expected = _EXPECTED.get(channel, "MPa")
     if name not in _UNITS or kind != expected:
-        raise refused(path, f"{what}: the unit is {quoted(unit)}, expected one such as {expected}", line)
-    return _UNITS[name]
+        faults.add((str(path), line), what, f"the unit is {quoted(unit)}, expected one such as {expected}")
+    return _UNITS.get(name, np.nan)
+
+
+def _along(depth: Array, length: Array, tilt: Array) -> tuple[Array, list[str]]:
+    """Return depths (n,) in m and a note: those of a file, else the length of the rods (m) along their tilt (rad).
+
+    A tilt that is not known, or beyond a right angle, is none. Where depths are negative the lengths become so, too.
+    """
+    steps = np.nan_to_num(np.diff(length, prepend=length[:1]))
+    off = np.cumsum(steps * (1.0 - np.cos(np.where(np.abs(tilt) < np.pi / 2.0, tilt, 0.0))))
+    own, both = ~np.isfinite(depth) & np.isfinite(length), np.isfinite(depth * length)
+    most = float(np.abs(off)[own].max(initial=0.0))
+    note = f"depths follow from the length of the rods and their inclination, {most:.2g} m less at the most"
+    along = (length - off) * (-1.0 if both.any() and np.median((depth * length)[both]) < 0.0 else 1.0)
+    return np.where(own, along, depth), [note] * (most >= LEAST_OFF)
 
 
 # --- GEF ---
 
-# quantities of GEF-CPT-Report by channel; the corrected depth comes before the length of the rods
-_GEF = {"depth": (11, 1), "qc": (2,), "qt": (13,), "fs": (3,), "Rf": (4,), "u2": (6,)}
+# quantities of GEF-CPT-Report by channel; tilts, the resultant and its parts, are in degrees
+_GEF = {"depth": 11, "length": 1, "qc": 2, "qt": 13, "fs": 3, "Rf": 4, "u2": 6, "tilt": 8, "tilt x": 9, "tilt y": 10}
 
 
 def read_gef(path: Path, text: str) -> list[Sounding]:
@@ -69,17 +86,22 @@ def read_gef(path: Path, text: str) -> list[Sounding]:
     for line, key, parts in head:
         if key in ("PROCEDURECODE", "REPORTCODE") and "CPT" not in parts[0].upper():
             raise refused(path, f"is a GEF file of the kind {quoted(parts[0])}, no CPT", line)
-    columns = _gef_columns(path, head)
-    first = {key: parts[0] for _, key, parts in reversed(head)}
-    rows = _gef_rows(path, lines, end + 1, first, max(at for at, _ in columns.values()))
+    faults = Faults()
+    columns = _gef_columns(path, head, faults)
+    first = {key: parts[0] or ",".join(parts) for _, key, parts in reversed(head)}  # a separator may be the comma
+    rows = _gef_rows(path, lines, end + 1, first, max(at for at, _ in columns.values()), faults)
+    faults.stop()
     voids = {number - 1: _number(text, np.nan) for number, text in _numbered(head, "COLUMNVOID").items()}
-    given = {}
+    given = dict.fromkeys(_GEF, np.full(len(rows), np.nan))
     for channel, (at, scale) in columns.items():
         values = rows[:, at]
         given[channel] = np.where(values == voids.get(at, np.nan), np.nan, values) * scale
+    parts = np.hypot(*(np.nan_to_num(given[each]) for each in ("tilt x", "tilt y")))
+    tilt = np.where(np.isfinite(given["tilt"]), given["tilt"], parts)
+    given["depth"], notes = _along(given["depth"], given["length"], tilt)
     measured = _numbered(head, "MEASUREMENTVAR")
     return [sounding(str(path), first.get("TESTID", path.stem), given, _number(measured.get(3)) or None,
-                     _number(measured.get(13)))]  # fmt: skip
+                     _number(measured.get(13)), notes)]  # fmt: skip
 
 
 def _numbered(head: Sequence[tuple[int, str, list[str]]], key: str) -> dict[int, str]:
@@ -89,26 +111,29 @@ def _numbered(head: Sequence[tuple[int, str, list[str]]], key: str) -> dict[int,
     }
 
 
-def _gef_columns(path: Path, head: Sequence[tuple[int, str, list[str]]]) -> dict[str, tuple[int, float]]:
+def _gef_columns(
+    path: Path, head: Sequence[tuple[int, str, list[str]]], faults: Faults
+) -> dict[str, tuple[int, float]]:
     """Return place and factor to SI of each channel."""
-    infos = {int(parts[3]): (line, int(parts[0]) - 1, parts[1]) for line, key, parts in head
-             if key == "COLUMNINFO" and len(parts) > 3 and parts[0].isdecimal() and parts[3].isdecimal()}  # fmt: skip
+    infos = {}
+    for line, key, parts in head:
+        numbers = [int(each) for each in parts[3:] if each.isdecimal()]  # behind a name that may hold commas
+        if key == "COLUMNINFO" and numbers and parts[0].isdecimal():
+            infos[numbers[-1]] = (line, int(parts[0]) - 1, parts[1])
     columns = {}
-    for channel, quantities in _GEF.items():
-        number = next((each for each in quantities if each in infos), None)
-        if number is not None:
-            line, at, unit = infos[number]
-            columns[channel] = (at, _scale(path, channel, unit, line, f"COLUMNINFO {at + 1}"))
-    if "depth" not in columns or not {"qc", "qt"} & set(columns):
+    for channel, (line, at, unit) in ((name, infos[number]) for name, number in _GEF.items() if number in infos):
+        tilt = channel.startswith("tilt")
+        scale = np.pi / 180.0 if tilt else _scale(faults, path, channel, unit, line, f"COLUMNINFO {at + 1}")
+        columns[channel] = (at, scale)
+    if not {"depth", "length"} & set(columns) or not {"qc", "qt"} & set(columns):
         raise refused(path, "has no column of depth (quantity 1 or 11) and cone resistance (2 or 13) in #COLUMNINFO")
     return columns
 
 
-def _gef_rows(path: Path, lines: Sequence[str], start: int, head: dict[str, str], last: int) -> Array:
+def _gef_rows(path: Path, lines: Sequence[str], start: int, head: dict[str, str], last: int, faults: Faults) -> Array:
     """Return the rows below the header (n, columns)."""
     record, separator = head.get("RECORDSEPARATOR", "!") or "!", head.get("COLUMNSEPARATOR") or None
     rows: list[list[float]] = []
-    wrong = []
     for k, line in enumerate(lines[start:], start=start + 1):
         cells = [cell.strip() for cell in line.replace(record, "").strip().split(separator)]
         if not any(cells):
@@ -116,13 +141,11 @@ def _gef_rows(path: Path, lines: Sequence[str], start: int, head: dict[str, str]
         try:
             rows.append([float(cell) for cell in cells[: last + 1]])
         except ValueError:
-            wrong.append(Problem(str(path), k, message=f"{quoted(line.strip())} is no row of numbers"))
+            faults.add((str(path), k), None, f"{quoted(line.strip())} is no row of numbers")
             continue
         if len(rows[-1]) <= last:
             message = f"the row has {len(rows.pop())} values, the columns of the header need {last + 1}"
-            wrong.append(Problem(str(path), k, message=message))
-    if wrong:
-        raise UserInputError(wrong[:MOST_FAULTS])
+            faults.add((str(path), k), None, message)
     return np.array(rows).reshape(-1, last + 1)
 
 
@@ -150,7 +173,8 @@ _AGS_VALUES = (
     ("TREG", "TREG_PHI", "friction_angle_final", _ANGLE, 0.0),
     ("LDEN", "LDEN_BDEN", "effective_unit_weight", _WEIGHT, WATER),
 )  # fmt: skip
-Groups = dict[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]
+Group = tuple[list[str], list[str], list[tuple[int, list[str]]]]  # headings, units, rows with their lines
+Groups = dict[str, Group]
 
 
 def read_ags(path: Path, text: str) -> Groups:
@@ -160,8 +184,11 @@ def read_ags(path: Path, text: str) -> Groups:
     """
     if text.lstrip().startswith('"**'):
         raise refused(path, "is an AGS 3 file: save it as AGS 4, or its group STCN as CSV")
+    groups: Groups = {}
     try:
-        groups = dict(_ags_groups(text))
+        for name, group in _ags_groups(text):
+            if groups.setdefault(name, group) is not group:
+                raise refused(path, f"holds the group {name} twice: a file of each, or one group with all rows")
     except csv.Error as error:
         raise refused(path, f"is no AGS file ({error})") from None
     known = ("SCPT", "GEOL", *dict.fromkeys(each[0] for each in _AGS_VALUES))
@@ -177,26 +204,22 @@ def ags_points(path: Path, groups: Groups) -> tuple[Array, dict[str, Array]]:
 
     Raises UserInputError: units that are not known, cells that are no numbers.
     """
-    depths, found = [], []
+    depths, found, faults = [], [], Faults()
     for group, name, key, factors, less in _AGS_VALUES:
-        head, units, rows = groups.get(group, ([], [], []))
+        head, units, rows = table = groups.get(group, ([], [], []))
         if not rows or not {name, "SPEC_DPTH"} <= set(head):
             continue
-        unit = units[head.index(name)].strip().lower() if head.index(name) < len(units) else ""
+        unit = _unit_of(table, name).strip().lower()
         if unit not in factors:
-            raise refused(
-                path, f"{name}: the unit is {quoted(unit)}, expected one of {', '.join(factors)}", _line_of(units)
-            )
-        values = factors[unit] * _ags_column(path, head, head.index(name), rows) - less
-        wrong = [
-            Problem(str(path), line, key=name, message=text)
-            for (line, _), value in zip(rows, values.tolist(), strict=True)
-            if np.isfinite(value) and (text := wrong_value(key, value))
-        ]
-        if wrong:
-            raise UserInputError(wrong)
-        depths.append(_ags_column(path, head, head.index("SPEC_DPTH"), rows))
+            text = f"the unit is {quoted(unit)}, expected one of {', '.join(factors)}"
+            faults.add((str(path), _line_of(units)), name, text)
+        values = _ags_column(path, table, name, factors.get(unit, np.nan), faults) - less
+        for (line, _), value in zip(rows, values.tolist(), strict=True):
+            if np.isfinite(value) and (wrong := wrong_value(key, value)):
+                faults.add((str(path), line), name, wrong)
+        depths.append(_ags_lengths(path, table, "SPEC_DPTH", faults))
         found.append((key, values))
+    faults.stop()
     depth = np.concatenate(depths) if depths else np.empty(0)
     out = {key: np.full(depth.shape, np.nan) for key, _ in found}
     ends = np.cumsum([0, *(len(each) for each in depths)])
@@ -206,13 +229,24 @@ def ags_points(path: Path, groups: Groups) -> tuple[Array, dict[str, Array]]:
 
 
 def ags_layers(path: Path, groups: Groups) -> list[tuple[int, float, float, str]]:
-    """Return line, top and bottom [m] and description of the layers of a borehole; none of several boreholes."""
-    head, _, rows = groups.get("GEOL", ([], [], []))
+    """Return line, top and bottom [m] and description of the layers of a borehole; none of several boreholes.
+
+    Warns of layers that are not used, and of those beside a test of another place.
+    """
+    head, _, rows = table = groups.get("GEOL", ([], [], []))
     if not rows or not {"LOCA_ID", "GEOL_TOP", "GEOL_BASE", "GEOL_DESC"} <= set(head):
         return []
-    if len({cells[head.index("LOCA_ID")] for _, cells in rows}) > 1:
+    holes, places = _ags_places(groups, "GEOL"), _ags_places(groups, "SCPT")
+    if len(holes) > 1:
+        text = f"{path}: not used: layers of {len(holes)} boreholes (GEOL): give those of one"
+        warnings.warn(text, TableNote, stacklevel=2)
         return []
-    tops, bottoms = (_ags_column(path, head, head.index(name), rows) for name in ("GEOL_TOP", "GEOL_BASE"))
+    if places and holes.isdisjoint(places):
+        text = f"{path}: the layers are those of {min(holes)}, the CPT that of {', '.join(sorted(places))}"
+        warnings.warn(text, TableNote, stacklevel=2)
+    faults = Faults()
+    tops, bottoms = (_ags_lengths(path, table, name, faults) for name in ("GEOL_TOP", "GEOL_BASE"))
+    faults.stop()
     names = [_DEPTHS.sub("", one_line(cells[head.index("GEOL_DESC")]))[:MOST_NAMED] for _, cells in rows]
     lines = zip((line for line, _ in rows), tops.tolist(), bottoms.tolist(), names, strict=True)
     return [each for each in lines if each[2] > each[1]]
@@ -225,26 +259,37 @@ def ags_soundings(path: Path, groups: Groups) -> list[Sounding]:
     """
     if "SCPT" not in groups:
         return []
-    head, units, rows = groups["SCPT"]
-    columns = {channel: head.index(name) for channel, name in _AGS.items() if name in head}
+    head, units, rows = table = groups["SCPT"]
+    columns = {channel: name for channel, name in _AGS.items() if name in head}
     if "depth" not in columns or not {"qc", "qt"} & set(columns) or not rows:
         raise refused(path, "the group SCPT needs SCPT_DPTH and SCPT_RES, and rows of DATA")
-    scales = {channel: _scale(path, channel, units[at] if at < len(units) else "", _line_of(units), head[at])
-              for channel, at in columns.items()}  # fmt: skip
+    faults = Faults()
+    scales = {
+        channel: _scale(faults, path, channel, _unit_of(table, name), _line_of(units), name)
+        for channel, name in columns.items()
+    }
+    faults.stop()
+    location, push = (_ags_words(table, name) for name in ("LOCA_ID", "SCPG_TESN"))
     ratios = _ags_ratios(groups)
-    by_location: dict[str, list[tuple[int, list[str]]]] = {}
-    place = head.index("LOCA_ID") if "LOCA_ID" in head else None
-    for line, cells in rows:
-        by_location.setdefault(cells[place] if place is not None else path.stem, []).append((line, cells))
 
-    def test(name: str, own: Sequence[tuple[int, list[str]]]) -> Sounding:
-        given = {channel: scale * _ags_column(path, head, columns[channel], own) for channel, scale in scales.items()}
-        return sounding(str(path), name, given, ratios.get(name))
+    def test(name: str) -> Sounding:
+        own = [each == name for each in location]
+        group, wrong = (head, units, list(itertools.compress(rows, own))), Faults()
+        part = dict.fromkeys(_AGS, np.full(sum(own), np.nan))
+        for channel, scale in scales.items():
+            part[channel] = _ags_column(path, group, columns[channel], scale, wrong)
+        wrong.stop()
+        by_push = ratios.get(name, {})
+        if len(set(by_push.values())) < 2:
+            return sounding(str(path), name or path.stem, part, next(iter(by_push.values()), None))
+        part["area ratio"] = np.array([by_push.get(each, np.nan) for each in itertools.compress(push, own)])
+        named = ", ".join(f"{each:g}" for each in sorted({*by_push.values()}))
+        return sounding(str(path), name, part, remarks=[f"area ratios {named}: each push has that of its cone"])
 
-    return usable(partial(test, *each) for each in by_location.items())
+    return usable(partial(test, name) for name in dict.fromkeys(location))
 
 
-def _ags_groups(text: str) -> Iterator[tuple[str, tuple[list[str], list[str], list[tuple[int, list[str]]]]]]:
+def _ags_groups(text: str) -> Iterator[tuple[str, Group]]:
     """Yield name, headings, units (behind their line) and rows of DATA, with their lines, of each group."""
     reader = csv.reader(text.splitlines())
     name, head, units = "", [""], [""]
@@ -269,25 +314,51 @@ def _line_of(units: Sequence[str]) -> int:
     return int(units[0]) if units[0].isdecimal() else 1
 
 
-def _ags_ratios(groups: Groups) -> dict[str, float]:
-    """Return the area ratio of the cone by location."""
-    head, _, rows = groups.get("SCPG", ([], [], []))
-    if not {"LOCA_ID", "SCPG_CAR"} <= set(head):
-        return {}
-    pairs = ((cells[head.index("LOCA_ID")], _number(cells[head.index("SCPG_CAR")])) for _, cells in rows)
-    return {name: ratio for name, ratio in pairs if ratio}
+def _unit_of(group: Group, name: str) -> str:
+    head, units, _ = group
+    return units[at] if (at := head.index(name)) < len(units) else ""
 
 
-def _ags_column(path: Path, head: Sequence[str], at: int, rows: Sequence[tuple[int, list[str]]]) -> Array:
-    out, wrong = [], []
-    for line, cells in rows:
+def _ags_words(group: Group, name: str) -> list[str]:
+    """Return a column of a group as texts, blank where the group does not have it."""
+    head, _, rows = group
+    return [cells[head.index(name)] if name in head else "" for _, cells in rows]
+
+
+def _ags_places(groups: Groups, name: str) -> set[str]:
+    """Return the locations of a group."""
+    return {*_ags_words(groups.get(name, ([], [], [])), "LOCA_ID")} - {""}
+
+
+def _ags_ratios(groups: Groups) -> dict[str, dict[str, float]]:
+    """Return the area ratio of the cone by location and push."""
+    ratios: dict[str, dict[str, float]] = {}
+    group = groups.get("SCPG", ([], [], []))
+    for place, push, text in zip(
+        *(_ags_words(group, each) for each in ("LOCA_ID", "SCPG_TESN", "SCPG_CAR")), strict=True
+    ):
+        if ratio := _number(text):
+            ratios.setdefault(place, {})[push] = ratio
+    return ratios
+
+
+def _ags_lengths(path: Path, group: Group, name: str, faults: Faults) -> Array:
+    """Return a column of depths (n,) in m."""
+    return _ags_column(
+        path, group, name, _scale(faults, path, "depth", _unit_of(group, name), _line_of(group[1]), name), faults
+    )
+
+
+def _ags_column(path: Path, group: Group, name: str, scale: float, faults: Faults) -> Array:
+    """Return a column of a group (n,) times a factor, NaN where it is blank; note cells that are no numbers."""
+    head, _, rows = group
+    out, at = np.full(len(rows), np.nan), head.index(name)
+    for k, (line, cells) in enumerate(rows):
         try:
-            out.append(float(cells[at]) if cells[at].strip() else np.nan)
+            out[k] = scale * float(cells[at]) if cells[at].strip() else np.nan
         except ValueError:
-            wrong.append(Problem(str(path), line, key=head[at], message=f"{quoted(cells[at])} is not a number"))
-    if wrong:
-        raise UserInputError(wrong[:MOST_FAULTS])
-    return np.array(out)
+            faults.add((str(path), line), name, f"{quoted(cells[at])} is not a number")
+    return out
 
 
 # --- XML of the BRO ---
@@ -334,8 +405,9 @@ def _bro_test(path: Path, test: ElementTree.Element) -> Sounding:
     given = {
         channel: column[name] * (0.01 if channel == "Rf" else 1e6) for channel, name in _BRO.items() if name in column
     }
-    depth, length = (column.get(each, np.full(len(values), np.nan)) for each in ("depth", "penetrationLength"))
-    given["depth"] = np.where(np.isfinite(depth), depth, length)
+    depth, length, tilt = (column.get(each, np.full(len(values), np.nan))
+                           for each in ("depth", "penetrationLength", "inclinationResultant"))  # fmt: skip
+    given["depth"], notes = _along(depth, length, np.radians(tilt))
     name = test.findtext("broId") or path.stem
     ratio, drilled = (_number(test.findtext(f".//{each}")) for each in ("coneSurfaceQuotient", "predrilledDepth"))
-    return sounding(str(path), name, given, ratio or None, drilled)
+    return sounding(str(path), name, given, ratio or None, drilled, notes)

@@ -168,7 +168,7 @@ def _mark(unit: Unit) -> str:
     """Return what results of a layer have to state: its remark, values on correlations outside their range."""
     odd = [shown.symbol for key, shown, value in _of(unit) if key in unit.written and _beyond(value)]
     outside = f"{', '.join(odd)} outside the range of their correlations" if odd else ""
-    return "; ".join(filter(None, (unit.remark, outside)))
+    return "; ".join(filter(None, (unit.remark, unit.unknown, outside)))
 
 
 def _beyond(value: Value) -> bool:

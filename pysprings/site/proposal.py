@@ -60,6 +60,7 @@ LEAST_SHARE = 0.02  # of the largest value of a line, where points have no ratio
 MOST_NAMED = 60  # characters of a name
 _FORMULA = "=+-@ "  # a spreadsheet would read what begins so as a formula
 FEWEST_POINTS = 3  # in a layer, for a range
+LONGEST, MOST_GAPS, ROUND = 0.5, 3, 0.01  # m without rows that is not stated; how many are named; m of a last layer
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
 _CAPITALS = re.compile(r"\b[A-Z]{3,}\b")  # of the principal soil in descriptions
 
@@ -81,7 +82,7 @@ class Value:
 class Unit:
     """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, law, values by key.
 
-    ``remark`` : of the layer in a file, which stays with it.
+    ``remark`` : of the layer in a file, which stays with it.  ``unknown`` : where the test measured nothing.
     """
 
     top: float
@@ -94,6 +95,7 @@ class Unit:
     values: dict[str, Value] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     remark: str = ""
+    unknown: str = ""
 
     @property
     def written(self) -> dict[str, Value]:
@@ -151,7 +153,8 @@ def propose(site: Site, options: Options) -> Proposal:
         depth, rows = _ends_as_rows(units, site)
     for unit in units:
         _fill(unit, rows, depth, site, options)
-    notes += [*site.notes, *_below(site.points, units)]
+    notes += [*site.notes, *_below(depth if chosen else np.empty(0), "rows of the test", units)]
+    notes += _below(site.points.depth if site.points else np.empty(0), "points", units)
     if not any(set(unit.values) & {"friction_angle_final", "undrained_shear_strength", *STIFFNESSES} for unit in units):
         places = [each.place for each in (*site.beds, site.points) if each]
         message = "gives neither strength nor stiffness nor relative density: add columns su, phi, Dr, Gmax or E"
@@ -160,10 +163,10 @@ def propose(site: Site, options: Options) -> Proposal:
     return Proposal(units, chosen, rows, depth, site.points, notes, options.cone_factors)
 
 
-def _below(points: Points | None, units: Sequence[Unit]) -> list[str]:
-    """Return a sentence on points below the last layer."""
-    count = 0 if points is None else int((points.depth > units[-1].bottom).sum())
-    return [f"{count} points below the last layer are not used"] if count else []
+def _below(depth: Array, what: str, units: Sequence[Unit]) -> list[str]:
+    """Return a sentence on rows or points below the last layer."""
+    count = int((depth > units[-1].bottom + ROUND).sum())
+    return [f"{count} {what} below the last layer are not used"] if count else []
 
 
 def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
@@ -182,6 +185,8 @@ def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
     if options.area_ratio is None:
         return chosen
     notes = tuple(each for each in chosen.notes if "--area-ratio" not in each)
+    if count := int(np.isfinite(chosen.corrected).sum()):
+        notes += (f"--area-ratio does not count in {count} of {len(chosen.depth)} rows: the file gives their q_t",)
     return replace(chosen, area_ratio=options.area_ratio, notes=notes)
 
 
@@ -221,9 +226,15 @@ def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[U
         own = rows.index[(test.depth >= top) & (test.depth <= bottom)]
         index = float(np.nanmedian(own)) if np.isfinite(own).any() else SAND_TO
         units.append(Unit(top, bottom, zone_name(index), "sand" if index <= SAND_TO else "clay"))
-    if test.depth[0] > 0.5:
-        units[0].remarks.append(f"nothing measured above {test.depth[0]:g} m: the first layer reaches up to mudline")
     return units
+
+
+def _gaps(unit: Unit, depth: Array) -> str:
+    """Return in words where a layer has no rows over more than `LONGEST`; blank where there is no such length."""
+    levels = np.concatenate([[unit.top], depth, [unit.bottom]])
+    parts = [f"{a:.4g} to {b:.4g} m" for a, b in itertools.pairwise(levels.tolist()) if b - a > LONGEST]
+    more = f" and {len(parts) - MOST_GAPS} more" if len(parts) > MOST_GAPS else ""
+    return f"nothing measured from {', '.join(parts[:MOST_GAPS])}{more}" if parts else ""
 
 
 def _unit(bed: Bed, index: Array) -> Unit:
@@ -288,6 +299,7 @@ def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) ->
     unit.index = float(np.nanmedian(part.index)) if np.isfinite(part.index).any() else np.nan
     if TRANSITION[0] < unit.index < TRANSITION[1]:
         unit.remarks.append(f"I_c {unit.index:.2f}: partially drained; neither drained sand nor undrained clay is sure")
+    unit.unknown = _gaps(unit, depth[own & np.isfinite(rows.cone)]) if unit.rows else ""
     ends, correlations = np.array([unit.top, unit.bottom]), SAND if unit.kind == "sand" else clay(options.cone_factors)
     _given(unit, site.beds)
     if site.points is not None:
@@ -304,6 +316,7 @@ def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) ->
 def _remark(unit: Unit) -> None:
     """Add what a file gives and the law does not use, and what is missing."""
     law, written = SOIL_LAWS[unit.law], unit.written
+    unit.remarks += [unit.unknown] if unit.unknown else []
     for key, value in unit.values.items():
         odd = dict.fromkeys(filter(None, (beyond_common(key, float(each)) for each in value.lines[1])))
         unit.remarks.extend(f"{key}: {text}" for text in odd if value.measured)
@@ -365,20 +378,23 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
     for key in dict.fromkeys(each.gives for each in correlations):
         if given and key in ("shear_modulus", *WITH_STRAIN):
             continue
-        found: list[tuple[Array, Correlation, float]] = []
+        found: list[tuple[Array, Correlation, float, float]] = []
         for each in (each for each in correlations if each.gives == key and key not in unit.values):
             values = each.of(rows)
             if (good := np.isfinite(values)).any():
                 line = _line(depth[good], values[good], ends, key)
-                found.append((line, each, 1.0 - float(each.inside(rows)[good].mean())))
+                inside = each.inside(rows)[good]
+                found.append(
+                    (line, each, 1.0 - float(inside.mean()), 1.0 - float((inside & each.free(rows)[good]).mean()))
+                )
         if key == "relative_density" and key in unit.values:
             rows = rows.with_density(np.interp(depth, ends, unit.values[key].lines[1]))
         if not found:
             continue
-        inside = [each for each in found if each[2] <= 0.5]
-        counted = inside if len(inside) > 1 else found
+        few = [each for each in found if each[2] <= 0.5]
+        counted = few if len(few) > 1 else found
         fewer = len(counted) < len(found)
-        lines = np.array([line for line, _, _ in counted])
+        lines = np.array([line for line, *_ in counted])
         best, least = np.median(lines, axis=0), FLOORS.get(key, 0.0)
         low, high = (
             np.minimum(lines.min(axis=0), (1.0 - least) * best),
@@ -386,10 +402,10 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
         )
         three = np.array([low, best, high])
         outside = tuple(
-            f"{each.name} ({each.range}) in {share:.0%} of the rows" + ", left out" * (fewer and share > 0.5)
-            for _, each, share in found if share > MARKED
+            f"{each.name} ({each.range}) in {stated:.0%} of the rows" + ", left out" * (fewer and share > 0.5)
+            for _, each, share, stated in found if stated > MARKED
         )  # fmt: skip
-        names = tuple(each.name for _, each, _ in counted)
+        names = tuple(each.name for _, each, *_ in counted)
         unit.values[key] = Value(three[::-1] if key in WEAKER else three, names, outside)
         if key == "relative_density":
             rows = rows.with_density(np.interp(depth, ends, three[1]))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,6 +35,10 @@ _SIZES = {
     "Rf": ("a friction ratio", 5.0, "%", 100.0), "u2": ("a pore pressure u2", 10.0e6, "MPa", 1e-6),
 }  # fmt: skip
 SUBMERGED = 2.0  # m, of the first row below mudline, or below what was drilled, where depths are negative
+ABOVE = 0.5  # m, of the first row above mudline, where depths are negative
+FALLING = 0.9  # share of rows that fall where depths are elevations
+OF_WATER = 50.0e3  # Pa, of u_2 above the hydrostatic pressure below mudline, where it counts from the sea
+OF_SAND = (5.0e6, 0.01)  # q_c and R_f of sand, where u_2 is the pressure of the water at rest, or less
 SHORTEST, OVERLAP = 0.1, 1.3  # share of rows that fall, and length of runs over the depth, of several tests in one
 
 
@@ -74,23 +78,29 @@ class Sounding:
 
 
 def sounding(
-    place: str, name: str, given: Mapping[str, Array], area_ratio: float | None = None, drilled: float = 0.0
+    place: str,
+    name: str,
+    given: Mapping[str, Array],
+    area_ratio: float | None = None,
+    drilled: float = 0.0,
+    remarks: Sequence[str] = (),
 ) -> Sounding:
     """Return the test of channels in SI, by `CHANNELS`; NaN where there is no value.
 
     Depths that fall from row to row are elevations below mudline, as older files have them. Rows without depth or cone
-    resistance, and those above the pre-drilled depth ``drilled`` (m), are left out with a note.
+    resistance, and those above the pre-drilled depth ``drilled`` (m), are left out with a note. A channel "area
+    ratio" holds it by row. ``remarks`` are notes of the reader.
 
     Raises UserInputError: fewer than three rows are left.
     """
     length = len(given["depth"])
-    channel, notes = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}, []
+    channel, notes = {name: given.get(name, np.full(length, np.nan)) for name in CHANNELS}, list(remarks)
     if np.isfinite(channel["fs"]).any():
         channel["Rf"] = np.full(length, np.nan)  # follows from it
     for each in CHANNELS:
         channel[each], found = _without_voids(place, name, each, channel[each])
         notes += found
-    depth, upward = _downward(place, channel["depth"], drilled)
+    depth, upward = _downward(place, name, channel["depth"], drilled)
     notes += upward
     cone = np.where(np.isfinite(channel["qc"]), channel["qc"], channel["qt"])
     good = np.isfinite(depth) & np.isfinite(cone) & (depth >= max(drilled, 0.0)) & (cone > 0.0)
@@ -99,7 +109,8 @@ def sounding(
     elif above := int((depth < 0.0).sum()):
         notes.append(f"{above} rows above mudline are left out")
     if good.sum() < 3:
-        message = f"{name}: {int(good.sum())} rows with depth and cone resistance: a CPT needs three at least"
+        below = f" below the pre-drilled depth of {drilled:g} m" if drilled > 0.0 else ""
+        message = f"{name}: {int(good.sum())} rows with depth and cone resistance{below}: a CPT needs three at least"
         raise UserInputError([Problem(place, message=message)])
     notes += _order(place, name, depth[good])
     if count := int((cone < 0.0).sum()):
@@ -112,19 +123,29 @@ def sounding(
     _refuse_units(place, name, cone[good], sleeve[good], channel["u2"][good])
     if missing := int((~good & (np.nan_to_num(depth, nan=drilled) >= drilled)).sum()):
         notes.append(f"{missing} of {length} rows without depth or positive cone resistance are left out")
-    if area_ratio is not None and not 0.1 <= area_ratio <= 1.0:
-        notes.append(f"the area ratio {area_ratio:g} of the file is no share of 0.1 to 1: it does not count")
-        area_ratio = None
     order = np.flatnonzero(good)[np.argsort(depth[good], kind="stable")]
     pressure, found = _pressure(depth[order], channel["u2"][order])
-    notes += found
-    if not np.isfinite(pressure).any() and not np.isfinite(channel["qt"]).any():
-        notes.append("no pore pressure u2: q_t = q_c, which is too small in soft clay")
-    elif area_ratio is None and not np.isfinite(channel["qt"]).any():
-        notes.append(f"no area ratio of the cone: {AREA_RATIO:g} is assumed (--area-ratio)")
+    notes += [*found, *_from_the_sea(depth[order], cone[order], sleeve[order], pressure)]
+    by_row = given.get("area ratio", np.full(length, np.nan))[order]
+    by_row = cone[order] + pressure * (1.0 - np.where((by_row >= 0.1) & (by_row <= 1.0), by_row, np.nan))
+    corrected = np.where(np.isfinite(channel["qt"][order]), channel["qt"][order], by_row)
+    area_ratio, found = _area_ratio(area_ratio, pressure, corrected)
     return Sounding(
-        place, name, depth[order], cone[order], sleeve[order], pressure, channel["qt"][order], area_ratio, tuple(notes)
+        place, name, depth[order], cone[order], sleeve[order], pressure, corrected, area_ratio, (*notes, *found)
     )
+
+
+def _area_ratio(ratio: float | None, pressure: Array, corrected: Array) -> tuple[float | None, list[str]]:
+    """Return the area ratio that counts, and notes on it, from u2 and q_t (n,) that are given."""
+    notes = []
+    if ratio is not None and not 0.1 <= ratio <= 1.0:
+        notes.append(f"the area ratio {ratio:g} of the file is no share of 0.1 to 1: it does not count")
+        ratio = None
+    if not np.isfinite(pressure).any() and not np.isfinite(corrected).any():
+        notes.append("no pore pressure u2: q_t = q_c, which is too small in soft clay")
+    elif ratio is None and not np.isfinite(corrected).any():
+        notes.append(f"no area ratio of the cone: {AREA_RATIO:g} is assumed (--area-ratio)")
+    return ratio, notes
 
 
 def usable(tests: Iterable[Callable[[], Sounding]]) -> list[Sounding]:
@@ -157,18 +178,29 @@ def _pressure(depth: Array, pressure: Array) -> tuple[Array, list[str]]:
     return pressure, notes
 
 
+def _from_the_sea(depth: Array, cone: Array, sleeve: Array, pressure: Array) -> list[str]:
+    """Return a note on pressures u_2 (Pa) that are above the hydrostatic one in sand, or above q_c at mudline."""
+    over, top = pressure - WATER * depth, depth <= 1.0
+    sand = (cone > OF_SAND[0]) & (sleeve < OF_SAND[1] * cone) & np.isfinite(over)
+    own = sand if sand.any() else top & np.isfinite(over)
+    level = _median(over[own], 0.0)
+    if level <= OF_WATER or (not sand.any() and _median((over - cone)[own], 0.0) <= 0.0):
+        return []
+    where = "in sand" if sand.any() else "at mudline"
+    text = f"u2 is {1e-3 * level:.0f} kPa above the hydrostatic pressure of depths below mudline {where}"
+    return [f"{text}: does it count from the water surface? q_c and u2 are 0 at mudline"]
+
+
 def _without_voids(place: str, test: str, name: str, values: Array) -> tuple[Array, list[str]]:
     """Return a channel with NaN for numbers that stand for no value, and a note on each of them.
 
     That is a number beyond the size that a test has, or of nines (-9999, 999.25), with more than twice the size of all
-    others. Raises UserInputError: other numbers beyond that size.
+    others of its sign. Raises UserInputError: other numbers beyond that size.
     """
     (what, most, unit, factor), out, notes = _SIZES[name], values.copy(), []
     while len(known := np.unique(out[np.isfinite(out)])) > 1:
-        code = known[np.argmax(np.abs(known))]
-        rest = float(np.abs(known[known != code]).max())
-        nines = re.sub(r"\D", "", f"{abs(code):e}").startswith("999")
-        if not (abs(code) > most or nines) or abs(code) <= 2.0 * rest:
+        code = next((each for each in known[[-1, 0]] if _is_void(float(each), known, most)), None)
+        if code is None:
             break
         count = int((out == code).sum())
         notes.append(f"{count} values of {what.removeprefix('a ')} are {code * factor:.6g} {unit}: taken as missing")
@@ -183,19 +215,35 @@ def _without_voids(place: str, test: str, name: str, values: Array) -> tuple[Arr
     return out, notes
 
 
-def _downward(place: str, depth: Array, drilled: float) -> tuple[Array, list[str]]:
+def _is_void(code: float, known: Array, most: float) -> bool:
+    """Return whether the largest or the least of the ``known`` numbers stands for no value."""
+    nines = re.sub(r"\D", "", f"{abs(code):e}").startswith("999")
+    rest = float(np.abs(known[(known != code) & (known * code > 0.0)]).max(initial=0.0))
+    return (abs(code) > most or nines) and abs(code) > 2.0 * rest
+
+
+def _downward(place: str, name: str, depth: Array, drilled: float) -> tuple[Array, list[str]]:
     """Return depths that grow downwards, and a note where they did not.
 
     Raises UserInputError: elevations above another level than mudline.
     """
     finite = depth[np.isfinite(depth)]
-    if not finite.size or np.median(finite) >= 0.0:
-        return depth, []
-    if -finite.max() > drilled + SUBMERGED:
-        begin = f"depths are negative and begin at {finite.max():g} m"
-        message = f"{begin}: elevations of another level? a CPT counts from mudline, 0 m, down"
-        raise UserInputError([Problem(place, message=message)])
-    return -depth, ["depths are negative: taken as depths below mudline"]
+    negative = finite.size > 0 and np.median(finite) < 0.0
+    if negative and (finite.max() > ABOVE or -finite.max() > drilled + SUBMERGED):
+        raise UserInputError([Problem(place, message=f"{name}: depths are negative and {_elevations(finite)}")])
+    if not negative and are_elevations(finite):
+        raise UserInputError([Problem(place, message=f"{name}: depths fall from row to row and {_elevations(finite)}")])
+    return (-depth, ["depths are negative: taken as depths below mudline"]) if negative else (depth, [])
+
+
+def are_elevations(depth: Array) -> bool:
+    """Return whether depths (n,) fall from row to row, as elevations do."""
+    steps = np.diff(depth)
+    return bool(len(steps) > 1 and (steps < 0.0).mean() > FALLING)
+
+
+def _elevations(depth: Array) -> str:
+    return f"begin at {depth.max():g} m: elevations of another level? a CPT counts from mudline, 0 m, down"
 
 
 def _order(place: str, name: str, depth: Array) -> list[str]:

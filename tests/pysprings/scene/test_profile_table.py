@@ -9,6 +9,7 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.units import read, si_of
+from pysprings.scene.defaults import remarks
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.profile_table import read_layers
 from tests.support import tiny
@@ -43,6 +44,15 @@ def test_a_table_with_groundhogs_columns_becomes_layers(tmp_path):
     check(scene)
     assert "profile" not in scene.source_text  # what a result keeps needs no other file
     assert parse_scene(scene.source_text) == scene
+
+
+@pytest.mark.parametrize(("end", "near"), [("12", False), ("11", True)])
+def test_a_table_that_ends_less_than_a_diameter_below_the_tip_is_remarked_on(tmp_path, end, near):
+    """The paper's caisson: D 7.8 m, tip at 4 m."""
+    scene = load_scene(write(tmp_path, SITE.replace("2,12,", f"2,{end},")))
+    text = f"layer 'Dense sand': its values are known to {end} m and hold on below: the skirt tip stands at 4 m"
+    for each in (scene, parse_scene(scene.source_text)):
+        assert any(remark.startswith(text) for remark in remarks(each)) == near
 
 
 def test_a_table_of_a_german_spreadsheet_is_the_same(tmp_path):

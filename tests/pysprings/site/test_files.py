@@ -93,10 +93,10 @@ NAMES = (
 )
 
 
-def bro(rows: str = "") -> str:
+def bro(rows: str = "", names: tuple[str, ...] = NAMES) -> str:
     lines = zip(DEPTH, CONE, SLEEVE, PRESSURE, strict=True)
     rows = rows or ";".join(f"{z},{z},-999999,{q},{f},{u},-999999" for z, q, f, u in lines)
-    flags = "".join(f"<c:{name}>ja</c:{name}>" for name in NAMES)
+    flags = "".join(f"<c:{name}>ja</c:{name}>" for name in names)
     encoding = '<s:encoding><s:TextEncoding decimalSeparator="." tokenSeparator="," blockSeparator=";"/></s:encoding>'
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <dispatchDataResponse xmlns="urn:d" xmlns:c="urn:c" xmlns:s="urn:s"><CPT_O><c:broId>A-1</c:broId>
@@ -118,6 +118,11 @@ NAMED = CSV.replace("qc", "Cone resistance qc").replace("fs", "Sleeve friction f
 BEDS = "Depth from [m],Depth to [m],Soil type,Dr [-],su from [kPa],su to [kPa]\n"
 SOFT = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + "".join(f"{z},0.1,0.002,0.25\n" for z in DEPTH)
 ELEVATIONS = "z [m],qc [MPa],fs [MPa]\n" + "".join(f"{-25 - z},{q},0.01\n" for z, q in zip(DEPTH, CONE, strict=True))
+# from a mudline at +0.8 and at +30 m
+ACROSS, HIGH = (
+    "z [m],qc [MPa],fs [MPa]\n" + "".join(f"{z0 - 2 * z},{q},0.01\n" for z, q in zip(DEPTH, CONE, strict=True))
+    for z0 in (1.8, 31.0)
+)
 
 
 def read(tmp_path: Path, name: str, text: str):
@@ -334,7 +339,14 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("a.csv", PERCENT.replace("Rf (%)", "Rf"), "a.csv:1: Rf: has no unit: write 'Rf [%]', or 'Rf [-]' for a share"),
         ("a.csv", CSV + CSV.split("\n", 1)[1], "a.csv: A-1: the depth falls from 2 to 0.5 m from one row to the nex"),
         ("a.csv", CSV + "1,2,0.02,0.01,B,x\n3,4,0.04,0.02,,x\n", "a.csv:7: Location: is blank: name the test of each"),
-        ("a.csv", ELEVATIONS, "a.csv: depths are negative and begin at -25.5 m: elevations of another level?"),
+        ("a.csv", ELEVATIONS, "a.csv: a: depths are negative and begin at -25.5 m: elevations of another le"),
+        ("a.csv", ACROSS, "a.csv: a: depths are negative and begin at 0.8 m: elevations of another level?"),
+        ("a.csv", HIGH, "a.csv: a: depths fall from row to row and begin at 30 m: elevations of another level?"),
+        ("a.csv", "depth [m],su [kPa]\n3,9\n1,9\n-4,9\n", "a.csv:1: depths fall from 3 to -4 m: elevations? points"),
+        ("a.csv", "depth [m],su [kPa],Vs [m/s]\n1,20,90\n", "a.csv:1: Vs [m/s]: needs the total unit weight beside"),
+        ("a.gef", GEF.replace("#EOH", "#MEASUREMENTVAR= 13, 9, m, x\n#EOH"), "below the pre-drilled depth of 9 m"),
+        ("a.ags", AGS + "\n" + AGS[AGS.index('"GROUP","SCPT"') :], "a.ags: holds the group SCPT twice"),
+        ("a.ags", LAB.replace('"","m","m",""', '"","cm","ft",""'), 'a.ags:15: GEOL_BASE: the unit is "ft", expected'),
         ("a.csv", "depth [m],su [kPa]\n1,20\n2,-9999\n", "a.csv:3: su [kPa]: undrained_shear_strength -9999 kPa is"),
         ("a.csv", "depth [m],su [kPa]\n1,20\n2,9999\n", "a.csv:3: su [kPa]: undrained_shear_strength 9999 kPa look"),
         ("a.csv", "depth [m],Dr\n1,60\n", "a.csv:2: Dr: relative_density 60 is not in [0.01, 1.2]"),
@@ -355,3 +367,104 @@ def test_what_cannot_be_read_is_refused_in_one_line(tmp_path, name, text, messag
         read(tmp_path, name, text)
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_all_faults_of_a_file_are_named_at_once(tmp_path) -> None:
+    gef = GEF.replace("2, MPa, cone", "2, kN, cone").replace("4, kPa, pore", "4, psi, pore").replace("16.0", "x")
+    ags = AGS.replace('"9.5","60"', '"x","y"').replace('"1.2","4"', '"z","4"')
+    with pytest.raises(UserInputError) as error:
+        read(tmp_path, "a.gef", gef)
+    assert [(each.line, each.key) for each in error.value.problems] == [
+        (6, "COLUMNINFO 2"), (8, "COLUMNINFO 4"), (18, None)]  # fmt: skip
+    with pytest.raises(UserInputError) as error:
+        read(tmp_path, "a.ags", ags)
+    assert [(each.line, each.key) for each in error.value.problems] == [
+        (11, "SCPT_RES"), (11, "SCPT_FRES"), (13, "SCPT_RES")]  # fmt: skip
+
+
+def test_the_length_of_the_rods_is_no_depth_where_they_lean(tmp_path) -> None:
+    """60 degrees from 0.5 m on: half a metre of depth for a metre of rods; a depth of the file stays."""
+    tilted = GEF.replace("4, kPa, pore pressure, 6", "4, degrees, inclination, 8").replace(
+        "1.00;4.2;0.020;10", "1.00;4.2;0.020;60"
+    )
+    tilted = (
+        tilted.replace("0.060;15", "0.060;60")
+        .replace("0.110;20", "0.110;60")
+        .replace("1.20;-9999;0.020;10", "1.20;4;0.020;60")
+    )
+    (test,) = read(tmp_path, "a.gef", tilted).soundings
+    assert test.depth == pytest.approx([0.5, 0.75, 0.85, 1.0, 1.25])
+    assert "depths follow from the length of the rods and their inclination, 0.75 m less at the most" in test.notes
+    parts = tilted.replace("inclination, 8", "inclination, 9")
+    (test,) = read(tmp_path, "a.gef", parts).soundings
+    assert test.depth == pytest.approx([0.5, 0.75, 0.85, 1.0, 1.25])
+    leaning = bro(
+        ";".join(f"{z},{y},{q},0.01,60" for z, y, q in ((1, -999999, 2), (2, -999999, 3), (4, 3.9, 3))),
+        ("penetrationLength", "depth", "coneResistance", "localFriction", "inclinationResultant"),
+    )
+    (test,) = read(tmp_path, "a.xml", leaning).soundings
+    assert test.depth == pytest.approx([1.0, 1.5, 3.9])
+
+
+def test_depths_that_are_missing_have_the_sign_of_the_others(tmp_path) -> None:
+    """As in a public file of 2013: negative corrected depths, and none above what was drilled."""
+    head = GEF.replace("4, kPa, pore pressure, 6", "4, m, corrected depth, 11").partition("#EOH=\n")[0]
+    rows = "0.50;1.2;0.004;-9;!\n1.00;4.2;0.020;-1.00;!\n1.50;9.5;0.060;-1.49;!\n2.00;16.0;0.110;-1.98;!\n"
+    (test,) = read(tmp_path, "a.gef", f"{head}#COLUMNVOID= 4, -9\n#EOH=\n{rows}").soundings
+    assert test.depth == pytest.approx([0.5, 1.0, 1.49, 1.98])
+
+
+def test_each_push_has_the_area_ratio_of_its_cone(tmp_path) -> None:
+    ags = AGS.replace('"A-1","1","0.75"\n', '"A-1","1","0.75"\n"DATA","A-1","2","0.5"\n')
+    (test,) = read(tmp_path, "a.ags", ags).soundings
+    assert test.total_cone == pytest.approx(test.cone + test.pressure * (0.25, 0.25, 0.5, 0.5))
+    assert "area ratios 0.5, 0.75: each push has that of its cone" in test.notes
+    text = CSV.replace(",remark", ",area ratio [-]").replace(",x\n", ",0.6\n")
+    (test,) = read(tmp_path, "a.csv", text).soundings
+    assert test.total_cone == pytest.approx(test.cone + 0.4 * test.pressure)
+    (tmp_path / "qt.csv").write_text(CSV.replace("qc [", "qt [").replace(",remark", "").replace(",x\n", "\n"))
+    (note,) = (
+        each for each in propose(read_site([tmp_path / "qt.csv"]), Options(area_ratio=0.6)).notes if "ratio" in each
+    )
+    assert note == "--area-ratio does not count in 4 of 4 rows: the file gives their q_t"
+
+
+def test_a_code_for_no_value_is_found_beside_larger_values_of_the_other_sign(tmp_path) -> None:
+    text = CSV.replace("0.015,", "-0.999,").replace("0.02,A", "0.6,A").replace(",remark", "").replace(",x\n", "\n")
+    (test,) = read(tmp_path, "a.csv", text).soundings
+    assert np.nanmin(test.pressure) == pytest.approx(0.005e6)
+    assert "1 values of pore pressure u2 are -0.999 MPa: taken as missing" in test.notes
+
+
+@pytest.mark.parametrize(("soil", "cone", "where"), [("sand", 10.0, "in sand"), ("clay", 0.1, "at mudline")])
+def test_pore_pressures_from_the_water_surface_are_remarked_on(tmp_path, soil, cone, where) -> None:
+    for water, level in ((0.0, None), (30.0, 294)):
+        rows = "".join(
+            f"{z},{cone + z / 20},{(cone + z / 20) / 200},{9.81e-3 * (z + water)}\n" for z in np.arange(0.1, 9, 0.1)
+        )
+        (test,) = read(tmp_path, f"{soil}.csv", "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + rows).soundings
+        found = [each for each in test.notes if "water surface" in each]
+        assert len(found) == (level is not None)
+        assert (
+            not found or f"u2 is {level} kPa above the hydrostatic pressure of depths below mudline {where}" in found[0]
+        )
+
+
+def test_a_separator_may_be_a_comma_and_a_name_may_hold_commas(tmp_path) -> None:
+    text = GEF.replace(";", ",").replace("sleeve friction, 3", "friction, local, 3")
+    (test,) = read(tmp_path, "a.gef", text).soundings
+    assert test.sleeve == pytest.approx(np.multiply(SLEEVE, 1e6))
+
+
+def test_layers_of_another_place_and_of_several_boreholes_are_remarked_on(tmp_path) -> None:
+    with pytest.warns(UserWarning, match="the layers are those of B-1, the CPT that of A-1"):
+        assert len(read(tmp_path, "a.ags", AGS + "\n" + LAB[LAB.index('"GROUP","GEOL"') :]).beds) == 2
+    with pytest.warns(UserWarning, match="not used: layers of 2 boreholes"):
+        assert not read(
+            tmp_path, "b.ags", AGS + "\n" + LAB[LAB.index('"GROUP","GEOL"') :] + '"DATA","C","0","5","SAND"\n'
+        ).beds
+
+
+def test_a_pore_pressure_of_no_place_is_taken_as_that_behind_the_cone(tmp_path) -> None:
+    (test,) = read(tmp_path, "a.csv", CSV.replace("u2 [", "u [").replace(",remark", "").replace(",x\n", "\n")).soundings
+    assert "u is taken as u2, behind the cone" in test.notes and np.isfinite(test.pressure).all()

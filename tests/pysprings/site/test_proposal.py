@@ -435,3 +435,34 @@ def test_two_thousand_rows_take_about_a_second(tmp_path) -> None:
     start = time.perf_counter()
     assert command("ground", tmp_path / "a.csv").code == 0
     assert time.perf_counter() - start < 2.0
+
+
+def test_lengths_that_were_not_measured_are_marked_in_the_table(tmp_path) -> None:
+    """From a borehole of 1.5 m, and without rows from 3 to 4.2 m; what a layer lacks at its end, and below the last."""
+    lines = sand_over_clay().splitlines()
+    kept = [each for each in lines[1:] if 1.5 < float(each.split(",")[0]) < 3.0 or float(each.split(",")[0]) > 4.2]
+    (tmp_path / "cpt.csv").write_text("\n".join([lines[0], *kept]))
+    (tmp_path / "log.csv").write_text("Depth from [m],Depth to [m],Soil type\n0,5,SAND\n5,15,CLAY\n")
+    out = tmp_path / "site.csv"
+    done = command("ground", tmp_path / "cpt.csv", tmp_path / "log.csv", "--out", out, "--no-figures")
+    assert done.code == 0, done.err
+    first, second = read_layers(out)
+    assert first["remark"].startswith("nothing measured from 0 to 1.52 m, 2.98 to 4.22 m; ")
+    assert "nothing measured" not in second.get("remark", "") and second["known_to"] == "15 m"
+    assert "- 250 rows of the test below the last layer are not used" in done.out
+
+
+def test_density_of_clay_and_density_that_is_held_are_marked(tmp_path) -> None:
+    depth = np.arange(5.0, 20.0, 0.05)
+    for kind, cone, share in (
+        ("clay", 0.02 * depth + 0.3, 0.04),
+        ("dense", 60.0 + 0.0 * depth, 0.004),
+        ("fair", 2.0 * depth, 0.004),
+    ):
+        rows = "".join(f"{z:.2f},{q:.3f},{share * q:.5f}\n" for z, q in zip(depth, cone, strict=True))
+        (tmp_path / f"{kind}.csv").write_text("z [m],qc [MPa],fs [MPa]\n" + rows)
+        (tmp_path / "log.csv").write_text("Depth from [m],Depth to [m],Soil type\n0,20,SAND\n")
+        (layer,) = proposal(tmp_path / f"{kind}.csv", tmp_path / "log.csv")["layers"]
+        marks = [each for each in layer["values"]["relative_density"]["outside"] if "in 100% of the rows" in each]
+        assert bool(marks) == (kind != "fair"), (kind, layer["values"]["relative_density"])
+        assert len(layer["values"]["relative_density"]["from"]) == 3
