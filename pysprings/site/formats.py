@@ -90,7 +90,6 @@ def read_gef(path: Path, text: str) -> list[Sounding]:
     columns = _gef_columns(path, head, faults)
     first = {key: parts[0] or ",".join(parts) for _, key, parts in reversed(head)}  # a separator may be the comma
     rows = _gef_rows(path, lines, end + 1, first, max(at for at, _ in columns.values()), faults)
-    faults.stop()
     voids = {number - 1: _number(text, np.nan) for number, text in _numbered(head, "COLUMNVOID").items()}
     given = dict.fromkeys(_GEF, np.full(len(rows), np.nan))
     for channel, (at, scale) in columns.items():
@@ -122,6 +121,8 @@ def _gef_columns(
             infos[numbers[-1]] = (line, int(parts[0]) - 1, parts[1])
     columns = {}
     for channel, (line, at, unit) in ((name, infos[number]) for name, number in _GEF.items() if number in infos):
+        if at < 0:
+            faults.add((str(path), line), f"COLUMNINFO {at + 1}", "columns count from 1")
         tilt = channel.startswith("tilt")
         scale = np.pi / 180.0 if tilt else _scale(faults, path, channel, unit, line, f"COLUMNINFO {at + 1}")
         columns[channel] = (at, scale)
@@ -146,7 +147,10 @@ def _gef_rows(path: Path, lines: Sequence[str], start: int, head: dict[str, str]
         if len(rows[-1]) <= last:
             message = f"the row has {len(rows.pop())} values, the columns of the header need {last + 1}"
             faults.add((str(path), k), None, message)
-    return np.array(rows).reshape(-1, last + 1)
+    faults.stop()
+    if not rows:
+        raise refused(path, "has no rows below #EOH", start)
+    return np.array(rows)
 
 
 def _number(text: str | None, default: float = 0.0) -> float:

@@ -241,15 +241,20 @@ def _unit(bed: Bed, index: Array) -> Unit:
     """Return a layer of a table, without values."""
     name = bed.name.lstrip(_FORMULA) or "layer"
     short = name if len(name) <= MOST_NAMED else f"{name[: MOST_NAMED - 3]}..."
-    return Unit(bed.top, bed.bottom, short, _kind(bed, index))
+    kind, remark = _kind(bed, index)
+    return Unit(bed.top, bed.bottom, short, kind, remarks=[remark] if remark else [])
 
 
 def _inside(unit: Unit | Bed, depth: Array) -> Marks:
     return (depth >= unit.top) & (depth <= unit.bottom)
 
 
-def _kind(bed: Bed, index: Array) -> str:
-    """Return "sand" or "clay" from the name of a layer, from its values, or from I_c; refuse what leaves it open."""
+def _kind(bed: Bed, index: Array) -> tuple[str, str]:
+    """Return "sand" or "clay" from the name of a layer, from its values, or from I_c, with a remark on the last one.
+
+    Raises UserInputError: all leave it open.
+    """
+    remark = ""
     for text in (" ".join(_CAPITALS.findall(bed.name)), bed.name):
         kinds = [kind for kind, words in _WORDS.items() if re.search(rf"\b({words})\b", text.lower())]
         if len(kinds) == 1:
@@ -259,10 +264,11 @@ def _kind(bed: Bed, index: Array) -> str:
         kinds = ["clay"] * ("undrained_shear_strength" in bed.values) + ["sand"] * sandy
     if len(kinds) != 1 and np.isfinite(index).any():
         kinds = ["sand" if np.nanmedian(index) <= SAND_TO else "clay"]
+        remark = f"taken as {kinds[0]} by its I_c: the soil type names neither sand nor clay, or both"
     if len(kinds) != 1:
         message = f"'{bed.name}': sand or clay? write one of the two as the soil type of a layer"
         raise UserInputError([Problem(bed.place, bed.line, message=message)])
-    return kinds[0]
+    return kinds[0], remark
 
 
 def _units_of_tables(site: Site) -> list[Unit]:
@@ -273,7 +279,7 @@ def _units_of_tables(site: Site) -> list[Unit]:
     assert site.points is not None
     keys = dict.fromkeys(site.points.values, (0.0, 0.0))
     bottom = float(site.points.depth.max())
-    kind = _kind(Bed(site.points.place, None, 0.0, bottom, "points without layers", keys), none)
+    kind, _ = _kind(Bed(site.points.place, None, 0.0, bottom, "points without layers", keys), none)
     return [Unit(0.0, bottom, kind, kind)]
 
 

@@ -27,6 +27,8 @@ LEAST_STRESS = 1.0e3  # Pa, below which normalisations use it
 # beyond these a unit is wrong: m, Pa, Pa, share
 MOST_DEPTH, MOST_CONE, LEAST_CONE, MOST_FRICTION, LEAST_FRICTION = 500.0, 200.0e6, 20.0e3, 0.3, 5.0e-4
 MOST_PRESSURE, LEAST_PRESSURE = 2.0, 0.02  # of u_2 over q_c in the median, over the hydrostatic pressure
+# of the median of a test: Pa, Pa, Pa/m of q_c over depth, which is that of the ground above at the least
+HALF_CONE, HALF_SLEEVE, LEAST_RATE = 60.0e6, 1.0e6, 8.0e3
 CHANNELS = ("depth", "qc", "qt", "fs", "Rf", "u2")
 # by channel: name, the largest size that a test has (SI), unit of messages and its factor
 _SIZES = {
@@ -120,7 +122,7 @@ def sounding(
     if count := int((sleeve[good] <= 0.0).sum()):
         notes.append(f"{count} rows without positive sleeve friction have no I_c")
     sleeve = np.where(sleeve > 0.0, sleeve, np.nan)
-    _refuse_units(place, name, cone[good], sleeve[good], channel["u2"][good])
+    _refuse_units(place, name, depth[good], cone[good], sleeve[good], channel["u2"][good])
     if missing := int((~good & (np.nan_to_num(depth, nan=drilled) >= drilled)).sum()):
         notes.append(f"{missing} of {length} rows without depth or positive cone resistance are left out")
     order = np.flatnonzero(good)[np.argsort(depth[good], kind="stable")]
@@ -260,12 +262,16 @@ def _order(place: str, name: str, depth: Array) -> list[str]:
     return ["rows are not in the order of their depth: sorted"]
 
 
-def _refuse_units(place: str, test: str, cone: Array, sleeve: Array, pressure: Array) -> None:
+def _refuse_units(place: str, test: str, depth: Array, cone: Array, sleeve: Array, pressure: Array) -> None:
     """Refuse resistances, frictions and pressures that no test has: their units are wrong."""
+    half, half_sleeve, rate = (_median(each, 0.0) for each in (cone, sleeve, cone / np.maximum(depth, 1.0)))
     friction, most = _median(sleeve / cone, 0.01), float(cone.max())
     share = _median(pressure / cone, 0.0)
     for wrong, what in (
+        (half > HALF_CONE, f"a cone resistance above {1e-6 * half:.3g} MPa in half of its rows"),
+        (half_sleeve > HALF_SLEEVE, f"a sleeve friction above {1e-6 * half_sleeve:.3g} MPa in half of its rows"),
         (most < LEAST_CONE, f"no cone resistance above {1e-3 * most:.3g} kPa"),
+        (rate < LEAST_RATE, f"a cone resistance below {1e-3 * rate:.3g} kPa per m of depth in half of its rows"),
         (friction > MOST_FRICTION, f"a sleeve friction of {100.0 * friction:.3g} % of the cone resistance"),
         (friction < LEAST_FRICTION, f"a sleeve friction of only {100.0 * friction:.3g} % of the cone resistance"),
         (share > MOST_PRESSURE, f"a pore pressure u2 of {share:.3g} times the cone resistance"),

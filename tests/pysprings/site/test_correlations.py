@@ -211,14 +211,35 @@ def test_zones_of_robertson() -> None:
 @pytest.mark.parametrize(
     ("channel", "edge", "message"),
     [("depth", 500.0, "a depth of 500.5 m"), ("qc", 200e6, "a cone resistance of 200.2 MPa"),
-     ("fs", 0.3 * 10e6, "a sleeve friction of 30 %"), ("qc", -20e3, "no cone resistance above 20 kPa")],
+     ("fs", 0.3 * 1e6, "a sleeve friction of 30 %"), ("qc", -20e3, "no cone resistance above 20 kPa")],
 )  # fmt: skip
 def test_values_that_no_test_has_are_refused_at_their_bounds(channel, edge, message) -> None:
     """At most 500 m, 200 MPa and a friction ratio of 30 %, at least 20 kPa (negative here): a thousandth decides."""
-    usual = {"depth": np.array([1.0, 2.0, 3.0]), "qc": np.full(3, 10e6), "fs": np.full(3, 1e4)}
-    size = np.array([1.0, 1.0, 1.0]) if channel == "fs" else np.array([0.9, 0.95, 1.0])
-    usual["fs"] = np.full(3, 0.01 * abs(edge)) if channel == "qc" else usual["fs"]
+    cone = 10e6 if channel == "depth" else 1e6
+    usual = {"depth": np.linspace(0.5, 1.0, 5), "qc": np.full(5, cone), "fs": np.full(5, 0.01 * cone)}
+    sizes = {"fs": np.ones(5), "depth": np.array([0.2, 0.4, 0.6, 0.8, 1.0])}
+    size = sizes.get(channel, np.array([0.1, 0.1, 0.2, 0.6, 1.0] if edge > 0.0 else [0.5, 0.7, 0.9, 0.9, 1.0]))
+    usual["fs"] = np.full(5, 2e-3 * abs(edge)) if channel == "qc" else usual["fs"]
     inside, outside = (usual | {channel: abs(edge) * size * (1.0 + sign * 1e-3 * np.sign(edge))} for sign in (-1, 1))
     sounding("a", "a", inside)
     with pytest.raises(UserInputError, match=message):
         sounding("a", "a", outside)
+
+
+@pytest.mark.parametrize(
+    ("cone", "friction", "message"),
+    [(60e6, 0.01, "a cone resistance above 60.1 MPa in half of its rows"),
+     (20e6, 0.05, "a sleeve friction above 1 MPa in half of its rows"),
+     (-8e3, 0.01, "a cone resistance below 7.99 kPa per m of depth in half of its rows")],
+)  # fmt: skip
+def test_values_that_half_of_a_test_never_has_are_refused(cone, friction, message) -> None:
+    """Kilopascals of soft clay called MPa, megapascals of dense sand called kPa (negative here); by a thousandth."""
+    depth = np.arange(1.0, 10.0)
+    for sign in (-1, 1):
+        each = abs(cone) * (1.0 + sign * 1e-3 * np.sign(cone)) * (depth if cone < 0.0 else np.ones(9))
+        given = {"depth": depth, "qc": each, "fs": friction * each}
+        if sign < 0:
+            assert len(sounding("a", "a", given).depth) == 9
+            continue
+        with pytest.raises(UserInputError, match=message):
+            sounding("a", "a", given)

@@ -345,6 +345,8 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("a.csv", "depth [m],su [kPa]\n3,9\n1,9\n-4,9\n", "a.csv:1: depths fall from 3 to -4 m: elevations? points"),
         ("a.csv", "depth [m],su [kPa],Vs [m/s]\n1,20,90\n", "a.csv:1: Vs [m/s]: needs the total unit weight beside"),
         ("a.gef", GEF.replace("#EOH", "#MEASUREMENTVAR= 13, 9, m, x\n#EOH"), "below the pre-drilled depth of 9 m"),
+        ("a.gef", GEF.replace("INFO= 3,", "INFO= 0,"), "a.gef:7: COLUMNINFO 0: columns count from 1"),
+        ("a.gef", GEF.split("0.50;")[0].replace("INFO= 3,", f"INFO= {'9' * 30},"), "a.gef:13: has no rows below #EOH"),
         ("a.ags", AGS + "\n" + AGS[AGS.index('"GROUP","SCPT"') :], "a.ags: holds the group SCPT twice"),
         ("a.ags", LAB.replace('"","m","m",""', '"","cm","ft",""'), 'a.ags:15: GEOL_BASE: the unit is "ft", expected'),
         ("a.csv", "depth [m],su [kPa]\n1,20\n2,-9999\n", "a.csv:3: su [kPa]: undrained_shear_strength -9999 kPa is"),

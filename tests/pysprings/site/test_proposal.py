@@ -466,3 +466,10 @@ def test_density_of_clay_and_density_that_is_held_are_marked(tmp_path) -> None:
         marks = [each for each in layer["values"]["relative_density"]["outside"] if "in 100% of the rows" in each]
         assert bool(marks) == (kind != "fair"), (kind, layer["values"]["relative_density"])
         assert len(layer["values"]["relative_density"]["from"]) == 3
+
+
+def test_a_soil_that_is_neither_sand_nor_clay_by_name_is_remarked_on(cpt, tmp_path) -> None:
+    (tmp_path / "log.csv").write_text("Depth from [m],Depth to [m],Soil type\n0,5,SAND\n5,20,CHALK\n")
+    sand, chalk = proposal(cpt, tmp_path / "log.csv")["layers"]
+    assert chalk["kind"] == "clay" and any("taken as clay by its I_c" in each for each in chalk["remarks"])
+    assert not any("by its I_c" in each for each in sand["remarks"])
