@@ -32,7 +32,7 @@ _UNITS = {
     "bar": 1e5, "%": 1e-2,
 }  # fmt: skip
 _LENGTHS, _EXPECTED = ("m", "cm", "mm"), {"depth": "m", "length": "m", "Rf": "%"}
-LEAST_OFF = 0.01  # m, between depth and length of the rods, that is stated
+LEAST_OFF, MOST_OFF = 0.01, 0.5  # m, between depth and length of the rods: stated; where they begin: refused
 
 
 def refused(path: Path, message: str, line: int | None = None) -> UserInputError:
@@ -97,10 +97,23 @@ def read_gef(path: Path, text: str) -> list[Sounding]:
         given[channel] = np.where(values == voids.get(at, np.nan), np.nan, values) * scale
     parts = np.hypot(*(np.nan_to_num(given[each]) for each in ("tilt x", "tilt y")))
     tilt = np.where(np.isfinite(given["tilt"]), given["tilt"], parts)
+    _refuse_levels(path, given["depth"], given["length"])
     given["depth"], notes = _along(given["depth"], given["length"], tilt)
     measured = _numbered(head, "MEASUREMENTVAR")
     return [sounding(str(path), first.get("TESTID", path.stem), given, _number(measured.get(3)) or None,
                      _number(measured.get(13)), notes)]  # fmt: skip
+
+
+def _refuse_levels(path: Path, depth: Array, length: Array) -> None:
+    """Refuse corrected depths that do not begin where the lengths of the rods do: elevations of another level."""
+    known = np.flatnonzero(np.isfinite(depth * length))
+    if not len(known):
+        return
+    down = -1.0 if np.median(depth[known]) < 0.0 else 1.0
+    first, rods = float(depth[known[0]]), float(length[known[0]])
+    if abs(down * first - abs(rods)) > MOST_OFF:
+        text = f"the corrected depth is {first:g} m where the length of the rods is {rods:g} m"
+        raise refused(path, f"{text}: elevations of another level? a CPT counts from mudline, 0 m, down")
 
 
 def _numbered(head: Sequence[tuple[int, str, list[str]]], key: str) -> dict[int, str]:

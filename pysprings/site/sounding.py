@@ -38,6 +38,7 @@ _SIZES = {
 }  # fmt: skip
 SUBMERGED = 2.0  # m, of the first row below mudline, or below what was drilled, where depths are negative
 ABOVE = 0.5  # m, of the first row above mudline, where depths are negative
+MANY = 0.1  # share of rows with a u_2 of 0 that is remarked on
 FALLING = 0.9  # share of rows that fall where depths are elevations
 OF_WATER = 50.0e3  # Pa, of u_2 above the hydrostatic pressure below mudline, where it counts from the sea
 OF_SAND = (5.0e6, 0.01)  # q_c and R_f of sand, where u_2 is the pressure of the water at rest, or less
@@ -174,6 +175,8 @@ def _pressure(depth: Array, pressure: Array) -> tuple[Array, list[str]]:
     if known.any() and not known.all():
         pressure = np.interp(depth, depth[known], pressure[known], left=np.nan, right=np.nan)
         notes.append(f"{int((~known).sum())} rows without u2: between its neighbours, beyond them q_t = q_c")
+    if (count := int((pressure == 0.0).sum())) > MANY * len(depth) and (pressure != 0.0).any():
+        notes.append(f"{count} rows have a u2 of exactly 0: not measured?")
     if known.any() and np.nanmax(np.abs(pressure)) < LEAST_PRESSURE * WATER * depth.max():
         share = f"{LEAST_PRESSURE:.0%} of the hydrostatic pressure"
         notes.append(f"u2 is below {share} everywhere: not measured, or its unit?")

@@ -115,6 +115,13 @@ PERCENT = "depth_m,cone resistance (kPa),Rf (%)\n" + "".join(
     f"{z},{1e3 * q},{100 * f / q}\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True)
 )
 NAMED = CSV.replace("qc", "Cone resistance qc").replace("fs", "Sleeve friction fs").replace("u2", "Pore pressure u2")
+LEVELS = GEF.replace("4, kPa, pore pressure, 6", "4, m, corrected depth, 11")
+LEVELS = (
+    LEVELS.replace(";5;!", ";-1.7;!")
+    .replace(";10;!", ";-2.2;!")
+    .replace(";15;!", ";-2.7;!")
+    .replace(";20;!", ";-3.2;!")
+)
 BEDS = "Depth from [m],Depth to [m],Soil type,Dr [-],su from [kPa],su to [kPa]\n"
 SOFT = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + "".join(f"{z},0.1,0.002,0.25\n" for z in DEPTH)
 ELEVATIONS = "z [m],qc [MPa],fs [MPa]\n" + "".join(f"{-25 - z},{q},0.01\n" for z, q in zip(DEPTH, CONE, strict=True))
@@ -346,6 +353,7 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("a.csv", "depth [m],su [kPa],Vs [m/s]\n1,20,90\n", "a.csv:1: Vs [m/s]: needs the total unit weight beside"),
         ("a.gef", GEF.replace("#EOH", "#MEASUREMENTVAR= 13, 9, m, x\n#EOH"), "below the pre-drilled depth of 9 m"),
         ("a.gef", GEF.replace("INFO= 3,", "INFO= 0,"), "a.gef:7: COLUMNINFO 0: columns count from 1"),
+        ("a.gef", LEVELS, "a.gef: the corrected depth is -1.7 m where the length of the rods is 0.5 m: elevations of"),
         ("a.gef", GEF.split("0.50;")[0].replace("INFO= 3,", f"INFO= {'9' * 30},"), "a.gef:13: has no rows below #EOH"),
         ("a.ags", AGS + "\n" + AGS[AGS.index('"GROUP","SCPT"') :], "a.ags: holds the group SCPT twice"),
         ("a.ags", LAB.replace('"","m","m",""', '"","cm","ft",""'), 'a.ags:15: GEOL_BASE: the unit is "ft", expected'),
@@ -470,3 +478,10 @@ def test_layers_of_another_place_and_of_several_boreholes_are_remarked_on(tmp_pa
 def test_a_pore_pressure_of_no_place_is_taken_as_that_behind_the_cone(tmp_path) -> None:
     (test,) = read(tmp_path, "a.csv", CSV.replace("u2 [", "u [").replace(",remark", "").replace(",x\n", "\n")).soundings
     assert "u is taken as u2, behind the cone" in test.notes and np.isfinite(test.pressure).all()
+
+
+def test_pore_pressures_of_exactly_zero_are_remarked_on(tmp_path) -> None:
+    (test,) = read(
+        tmp_path, "a.csv", CSV.replace("0.015,", "0,").replace(",remark", "").replace(",x\n", "\n")
+    ).soundings
+    assert "1 rows have a u2 of exactly 0: not measured?" in test.notes
