@@ -44,7 +44,8 @@ def ground(
         refuse("--out", "ends in .csv or .xlsx", out)
     if out is not None and out.exists() and not force:
         refuse("--out", "exists already: choose another name, or --force to replace it", out)
-    proposal = propose(read_site(files), Options(test, area_ratio, _factors(nkt), layers, depth or float("inf")))
+    down_to = float("inf") if depth is None else depth
+    proposal = propose(read_site(files), Options(test, area_ratio, _factors(nkt), layers, down_to))
     if as_json:
         print_json(document(proposal))
     else:

@@ -276,7 +276,8 @@ def _units_of_tables(site: Site) -> list[Unit]:
     none = np.array([np.nan])
     if site.beds:
         return [_unit(bed, none) for bed in site.beds]
-    assert site.points is not None
+    if site.points is None:
+        raise refused("--depth", "the files hold nothing above it")
     keys = dict.fromkeys(site.points.values, (0.0, 0.0))
     bottom = float(site.points.depth.max())
     kind, _ = _kind(Bed(site.points.place, None, 0.0, bottom, "points without layers", keys), none)

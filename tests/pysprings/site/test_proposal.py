@@ -473,3 +473,11 @@ def test_a_soil_that_is_neither_sand_nor_clay_by_name_is_remarked_on(cpt, tmp_pa
     sand, chalk = proposal(cpt, tmp_path / "log.csv")["layers"]
     assert chalk["kind"] == "clay" and any("taken as clay by its I_c" in each for each in chalk["remarks"])
     assert not any("by its I_c" in each for each in sand["remarks"])
+
+
+def test_a_depth_above_all_that_is_known_is_refused(cpt, weighed, tmp_path) -> None:
+    (tmp_path / "lab.csv").write_text("Depth [m],su [kPa]\n1,20\n")
+    for file, words in ((cpt, "holds 0 rows down to 0 m"), (weighed, "--depth: the files hold nothing above it"),
+                        (tmp_path / "lab.csv", "--depth: the files hold nothing above it")):  # fmt: skip
+        done = command("ground", file, "--depth", "0 m")
+        assert done.code == 2 and words in done.err
