@@ -25,7 +25,7 @@ from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import WATER
 from pysprings.site.sounding import Sounding, sounding, usable
 
-MOST_NAMED = 200  # characters of a description
+MOST_NAMED, MOST_PLACES = 200, 5  # characters of a description; locations that are named
 _DEPTHS = re.compile(r"^[\d.]+ ?m to [\d.]+ ?m[ :-]*")  # before it
 _UNITS = {
     "m": 1.0, "cm": 1e-2, "mm": 1e-3, "mpa": 1e6, "mn/m2": 1e6, "n/mm2": 1e6, "kpa": 1e3, "kn/m2": 1e3, "pa": 1.0,
@@ -235,6 +235,7 @@ def ags_points(path: Path, groups: Groups) -> tuple[Array, dict[str, Array]]:
             if np.isfinite(value) and (wrong := wrong_value(key, value)):
                 faults.add((str(path), line), name, wrong)
         depths.append(_ags_lengths(path, table, "SPEC_DPTH", faults))
+        _warn_of_places(path, groups, group)
         found.append((key, values))
     faults.stop()
     depth = np.concatenate(depths) if depths else np.empty(0)
@@ -253,14 +254,12 @@ def ags_layers(path: Path, groups: Groups) -> list[tuple[int, float, float, str]
     head, _, rows = table = groups.get("GEOL", ([], [], []))
     if not rows or not {"LOCA_ID", "GEOL_TOP", "GEOL_BASE", "GEOL_DESC"} <= set(head):
         return []
-    holes, places = _ags_places(groups, "GEOL"), _ags_places(groups, "SCPT")
-    if len(holes) > 1:
-        text = f"{path}: not used: layers of {len(holes)} boreholes (GEOL): give those of one"
-        warnings.warn(text, TableNote, stacklevel=2)
+    if (count := len(_ags_places(groups, "GEOL"))) > 1:
+        warnings.warn(
+            f"{path}: not used: layers of {count} boreholes (GEOL): give those of one", TableNote, stacklevel=2
+        )
         return []
-    if places and holes.isdisjoint(places):
-        text = f"{path}: the layers are those of {min(holes)}, the CPT that of {', '.join(sorted(places))}"
-        warnings.warn(text, TableNote, stacklevel=2)
+    _warn_of_places(path, groups, "GEOL")
     faults = Faults()
     tops, bottoms = (_ags_lengths(path, table, name, faults) for name in ("GEOL_TOP", "GEOL_BASE"))
     faults.stop()
@@ -345,6 +344,15 @@ def _ags_words(group: Group, name: str) -> list[str]:
 def _ags_places(groups: Groups, name: str) -> set[str]:
     """Return the locations of a group."""
     return {*_ags_words(groups.get(name, ([], [], [])), "LOCA_ID")} - {""}
+
+
+def _warn_of_places(path: Path, groups: Groups, name: str) -> None:
+    """Warn of a group whose rows are of several locations, or of another one than the test."""
+    own, tests = _ags_places(groups, name), _ags_places(groups, "SCPT")
+    if len(own) > 1 or (tests and own - tests):
+        beside = f" beside the CPT of {', '.join(sorted(tests)[:MOST_PLACES])}" if tests else ""
+        places = ", ".join(sorted(own)[:MOST_PLACES])
+        warnings.warn(f"{path}: rows of {name} are those of {places}{beside}: all count", TableNote, stacklevel=2)
 
 
 def _ags_ratios(groups: Groups) -> dict[str, dict[str, float]]:

@@ -390,10 +390,9 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
             values = each.of(rows)
             if (good := np.isfinite(values)).any():
                 line = _line(depth[good], values[good], ends, key)
-                inside = each.inside(rows)[good]
-                found.append(
-                    (line, each, 1.0 - float(inside.mean()), 1.0 - float((inside & each.free(rows)[good]).mean()))
-                )
+                counts, inside = good | (rows.net <= 0.0), each.inside(rows) & good  # no q_net: outside
+                stated = 1.0 - float((inside & each.free(rows))[counts].mean())
+                found.append((line, each, 1.0 - float(inside[counts].mean()), stated))
         if key == "relative_density" and key in unit.values:
             rows = rows.with_density(np.interp(depth, ends, unit.values[key].lines[1]))
         if not found:

@@ -467,8 +467,10 @@ def test_a_separator_may_be_a_comma_and_a_name_may_hold_commas(tmp_path) -> None
 
 
 def test_layers_of_another_place_and_of_several_boreholes_are_remarked_on(tmp_path) -> None:
-    with pytest.warns(UserWarning, match="the layers are those of B-1, the CPT that of A-1"):
+    with pytest.warns(UserWarning, match="rows of GEOL are those of B-1 beside the CPT of A-1: all count"):
         assert len(read(tmp_path, "a.ags", AGS + "\n" + LAB[LAB.index('"GROUP","GEOL"') :]).beds) == 2
+    with pytest.warns(UserWarning, match="rows of TRIT are those of B-1, B-2: all count"):
+        read(tmp_path, "c.ags", LAB.replace('"B-1","8.00"', '"B-2","8.00"'))
     with pytest.warns(UserWarning, match="not used: layers of 2 boreholes"):
         assert not read(
             tmp_path, "b.ags", AGS + "\n" + LAB[LAB.index('"GROUP","GEOL"') :] + '"DATA","C","0","5","SAND"\n'

@@ -481,3 +481,15 @@ def test_a_depth_above_all_that_is_known_is_refused(cpt, weighed, tmp_path) -> N
                         (tmp_path / "lab.csv", "--depth: the files hold nothing above it")):  # fmt: skip
         done = command("ground", file, "--depth", "0 m")
         assert done.code == 2 and words in done.err
+
+
+def test_rows_below_the_stress_of_the_ground_mark_the_strength_of_the_others(tmp_path) -> None:
+    """A cone whose zero is off: q_net is negative in every second row, and su is that of the others alone."""
+    depth = np.arange(1.0, 8.0, 0.05)
+    cone = np.where(np.arange(len(depth)) % 2, 14.0, 30.0) * depth + 10.0
+    rows = "".join(f"{z:.2f},{q:.3f},{0.02 * q + 0.2:.5f}\n" for z, q in zip(depth, cone, strict=True))
+    (tmp_path / "cpt.csv").write_text("z [m],qc [kPa],fs [kPa]\n" + rows)
+    (tmp_path / "log.csv").write_text("Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3]\n0,8,CLAY,17\n")
+    (layer,) = proposal(tmp_path / "cpt.csv", tmp_path / "log.csv")["layers"]
+    marks = layer["values"]["undrained_shear_strength"]["outside"]
+    assert len(marks) == 3 and all("% of the rows" in each for each in marks)
