@@ -36,7 +36,18 @@ from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
 from pysprings.site.sounding import Sounding, are_elevations, sounding, usable
 
-_DEPTHS = ("depth", "z", *NAMES["depth"], "penetration length", "sondeerlengte", "diepte", "tiefe", "scpt dpth")
+_DEPTHS = (
+    "depth",
+    "z",
+    *NAMES["depth"],
+    "penetration length",
+    "sondeerlengte",
+    "diepte",
+    "tiefe",
+    "dybde",
+    "profondeur",
+    "scpt dpth",
+)
 _CONE = ("qc", "q c", "cone resistance", "cone resistance qc", "tip resistance", "cone tip resistance",
          "conusweerstand", "conuswaarde", "conuswaarden", "puntdruk", "spitzendruck", "scpt res")  # fmt: skip
 _TOTAL_CONE = ("qt", "q t", "corrected cone resistance", "corrected cone resistance qt",
@@ -45,7 +56,8 @@ _TEST_COLUMNS = (
     Column("depth", "m", _DEPTHS, "m"), Column("qc", "Pa", _CONE, "MPa"), Column("qt", "Pa", _TOTAL_CONE, "MPa"),
     Column("fs", "Pa", ("f s", "sleeve friction", "sleeve friction fs", "local friction", "plaatselijke wrijving",
                         "kleef", "mantelreibung", "scpt fres"), "MPa"),
-    Column("u2", "Pa", ("u 2", "pore pressure u2", "pore pressure", "waterspanning u2", "scpt pwp2"), "MPa"),
+    Column("u2", "Pa", ("u 2", "pore pressure u2", "pore pressure", "waterspanning u2",
+                         "porenwasserdruck", "porenwasserdruck u2", "scpt pwp2"), "MPa"),
     Column("u", "Pa", (), "MPa"), Column("Qt", "*", ("Qtn",), skipped="follows from the others"),
     Column("area ratio", "1", ("cone area ratio", "net area ratio"), "", "", 0.01),
     Column("Rf", "1", ("r f", "friction ratio", "friction ratio rf", "wrijvingsgetal"), "", "", 0.01),

@@ -6,7 +6,6 @@ page each. pygef would bring polars (172 MB), python-ags4 holds pandas below 3.
 """
 
 import csv
-import itertools
 import re
 import warnings
 import xml.etree.ElementTree as ElementTree
@@ -286,23 +285,25 @@ def ags_soundings(path: Path, groups: Groups) -> list[Sounding]:
     }
     faults.stop()
     location, push = (_ags_words(table, name) for name in ("LOCA_ID", "SCPG_TESN"))
-    ratios = _ags_ratios(groups)
+    ratios, places = _ags_ratios(groups), dict[str, list[int]]()
+    for k, each in enumerate(location):
+        places.setdefault(each, []).append(k)
 
     def test(name: str) -> Sounding:
-        own = [each == name for each in location]
-        group, wrong = (head, units, list(itertools.compress(rows, own))), Faults()
-        part = dict.fromkeys(_AGS, np.full(sum(own), np.nan))
+        own = places[name]
+        group, wrong = (head, units, [rows[k] for k in own]), Faults()
+        part = dict.fromkeys(_AGS, np.full(len(own), np.nan))
         for channel, scale in scales.items():
             part[channel] = _ags_column(path, group, columns[channel], scale, wrong)
         wrong.stop()
         by_push = ratios.get(name, {})
         if len(set(by_push.values())) < 2:
             return sounding(str(path), name or path.stem, part, next(iter(by_push.values()), None))
-        part["area ratio"] = np.array([by_push.get(each, np.nan) for each in itertools.compress(push, own)])
+        part["area ratio"] = np.array([by_push.get(push[k], np.nan) for k in own])
         named = ", ".join(f"{each:g}" for each in sorted({*by_push.values()}))
         return sounding(str(path), name, part, remarks=[f"area ratios {named}: each push has that of its cone"])
 
-    return usable(partial(test, name) for name in dict.fromkeys(location))
+    return usable(partial(test, name) for name in places)
 
 
 def _ags_groups(text: str) -> Iterator[tuple[str, Group]]:

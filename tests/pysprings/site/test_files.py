@@ -114,6 +114,10 @@ DUTCH = "Diepte[m];Conuswaarden[MN/m²];Plaatselijke wrijving [kPa];Phi'[°];\n"
 PERCENT = "depth_m,cone resistance (kPa),Rf (%)\n" + "".join(
     f"{z},{1e3 * q},{100 * f / q}\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True)
 )
+GERMAN = "Tiefe (m);Spitzendruck (MN/m²);Mantelreibung (kPa);Porenwasserdruck u2 (kPa)\r\n" + "".join(
+    f"{z};{q};{1e3 * f};{1e3 * u}\r\n".replace(".", ",")
+    for z, q, f, u in zip(DEPTH, CONE, SLEEVE, PRESSURE, strict=True)
+)
 NAMED = CSV.replace("qc", "Cone resistance qc").replace("fs", "Sleeve friction fs").replace("u2", "Pore pressure u2")
 LEVELS = GEF.replace("4, kPa, pore pressure, 6", "4, m, corrected depth, 11")
 LEVELS = (
@@ -143,7 +147,7 @@ def read(tmp_path: Path, name: str, text: str):
     [
         ("a.gef", GEF, True), ("old.GEF", OLD_GEF, False), ("a.ags", AGS, True), ("a.xml", bro(), True),
         ("a.csv", CSV, True), ("dutch.csv", DUTCH, False), ("percent.csv", PERCENT, False), ("gef.txt", GEF, True),
-        ("named.csv", NAMED, True),
+        ("named.csv", NAMED, True), ("german.csv", GERMAN, True),
     ],
 )  # fmt: skip
 def test_a_cone_penetration_test_has_the_same_numbers_from_every_format(tmp_path, name, text, pressure) -> None:
