@@ -206,7 +206,8 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     names = table.texts("location")
     for k in [k for k, each in enumerate(names) if not each] if len(set(names) - {""}) > 1 else ():
         table.fault(k, "location", "is blank: name the test of each row")
-    table.fault_without_unit("Rf")
+    if "fs" not in table:  # else it does not count
+        table.fault_without_unit("Rf")
     given = {
         name: table.numbers(name, most=False) for name in ("depth", "qc", "qt", "fs", "Rf", "u2", "u", "area ratio")
     }

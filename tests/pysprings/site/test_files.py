@@ -209,7 +209,7 @@ def test_a_friction_ratio_that_a_workbook_shows_in_percent_needs_no_unit(tmp_pat
 def test_friction_ratios_of_almost_no_cone_resistance_do_not_refuse_a_test(tmp_path) -> None:
     rows = [(0.1, 0.001, 800, 0.01), (0.2, 0.001, 700, 0.01)]
     rows += [(z, q, 1, 0.01 * q) for z, q in zip(DEPTH, CONE, strict=True)]
-    for head, columns in (("Rf [%]", 3), ("Rf [%],fs [MPa]", 4)):
+    for head, columns in (("Rf [%]", 3), ("Rf [%],fs [MPa]", 4), ("Rf,fs [MPa]", 4)):
         text = f"z [m],qc [MPa],{head}\n" + "\n".join(",".join(map(str, row[:columns])) for row in rows)
         (test,) = read(tmp_path, "a.csv", text).soundings
         assert test.sleeve[2:] == pytest.approx(np.multiply(CONE, 0.01e6))
