@@ -10,7 +10,6 @@ from pysprings.core.columns import Column, Table, filled, records
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import ROLES, VERTICAL
 from pysprings.macro.measures import SKIP_BELOW, SMALL_OVER_DIAMETER
-from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED
 
 # every column of the comparison for people; terminal and report choose theirs
 COLUMNS = {
@@ -88,25 +87,14 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
         if own := [row for row in rows if row["role"] == role]:
             lines += [_ROLE_TITLES[role], Table.of(columns, own).text(), ""]
     ended = [f"{r.path}, {r.springs}: {r.status}" for r in frame.itertuples() if r.status != "complete"]
-    ended += [f"path {name}: {how}" for name, how in _ends(frame).items()]
+    ends = frame.attrs.get("ends", {})
+    ended += [f"path {name} {ends[name]}" for name in frame["path"].unique() if name in ends]
     ended += [f"path {name}: not compared, no springs here answer it" for name in frame.attrs.get("unanswered", ())]
     further = (_VERTICAL_NOTES if vertical else []) + ([SPACE_NOTE] if "T_error_max_pct" in frame else [])
     notes = _NOTES[:1] if brief else _NOTES + further
     reference = str(frame.attrs.get("reference", FULL_MODEL))
     notes = [f"full model: {reference}, none of this caisson"] * (reference != FULL_MODEL) + notes
     return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
-
-
-def _ends(frame: pd.DataFrame) -> dict[str, str]:
-    """Return how paths ended that did not come to their aims, with the loads and motion there."""
-    last = frame.drop_duplicates("path")
-    return {
-        r["path"]: f"{r['path_end']} of the full model at H = {1e-3 * r['end_H_N']:.5g} kN, "
-        f"M = {1e-3 * r['end_M_Nm']:.5g} kN m, u = {1e3 * r['end_u_m']:.4g} mm, "
-        f"rotation = {1e3 * r['end_rotation_rad']:.4g} mrad"
-        for r in last.to_dict("records")
-        if r["path_end"] in (LIMIT_LOAD, STOPPED)
-    }
 
 
 def several_loads(frame: pd.DataFrame) -> bool:

@@ -183,7 +183,7 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
     control: Control = "load" if path.rules.force else "displacement" if path.rules.free_head else "state"
     one = Followed(path, name, control, full, (motions, loads), "", V=path.given_loads[:n])
     table, (by_rotation, _) = cycles(one), measured(one)
-    ends = np.concatenate([[0.0], table["x_end_full"]])
+    ends = np.concatenate([-table["x_end_full"][:1], table["x_end_full"]])  # the first branch is half of one
     amplitude = 0.5 * np.abs(np.diff(ends)) * style.MM
     colour, _, marker = LOOKS[name]
     factor, unit = unit_text(table["secant_full"].to_numpy())

@@ -167,11 +167,13 @@ def _in_ground(axes: Axes, view: View, scene: Scene) -> None:
     arm = float(attrs.get("arm_m", 0.0)) if has_free_head(attrs) else 0.0
     at = -min(max(arm, 0.0), HIGHEST * 2.0 * radius)
     arrow: Any = {"arrowprops": {"arrowstyle": "-|>", "color": style.VERMILLION, "linewidth": 2.2}, "va": "center"}
-    words = f"H at {arm:.4g} m" if has_free_head(attrs) else "motion of the lid"
     tip = 0.0 if at < -0.2 * radius else -1.05 * radius  # beside the lid
     shown = view.path["H" if has_free_head(attrs) else "u"].values[converged(view.path)]
+    turns = not has_free_head(attrs) and not shown.any()
+    words = f"H at {arm:.4g} m" if has_free_head(attrs) else "rotation alone" if turns else "motion of the lid"
     along = ((tip, at), (tip - SIZE * radius, at))
-    axes.annotate("", *(along[::-1] if shown.size and shown[-1] < 0.0 else along), **arrow)
+    if not turns:
+        axes.annotate("", *(along[::-1] if shown.size and shown[-1] < 0.0 else along), **arrow)
     axes.annotate(words, (tip - 0.5 * SIZE * radius, at), (0, 5), textcoords="offset points", ha="center", va="bottom")
     V = float(view.path["V"].values[0]) if "V" in view.path else np.nan
     if np.isfinite(V):

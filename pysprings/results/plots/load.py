@@ -74,7 +74,7 @@ def _by_surface(axes: Axes, path: xr.Dataset, letter: str, title: str, sense: st
         if f"{letter}_{surface}" in path:
             _curve(axes, path, f"{letter}_{surface}", factor, color=style.SURFACE_COLOURS[surface], label=name)
     unit = f"{unit} m" if letter == "M" else unit
-    axes.set(ylabel=f"{letter} [{unit}]{sense}", title=f"{title} and the surfaces that carry it")
+    axes.set(ylabel=f"{letter} [{unit}]{sense}", title=f"{title}, and by surface")
 
 
 def _vertical_forces(axes: Axes, path: xr.Dataset) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
+from textwrap import fill
 from typing import Any, ParamSpec, cast
 
 import matplotlib as mpl
@@ -50,7 +51,7 @@ LEVEL_COLOURS = "cividis_r"  # small to large loads
 PATH_COLOURS = "turbo"  # load paths of a run
 GAP_COLOURS = "YlOrRd"  # narrow to wide gaps
 SIGNED_COLOURS = "RdBu_r"  # displacement and pressure, symmetric about zero
-RADIUS_COLOURS = "Purples"  # inner to outer stations of the tip
+RADIUS_COLOURS = "copper_r"  # inner to outer stations of the tip; none is the white of the page
 
 # Any: the type of rc parameters lists every key by name.
 STYLE: Any = {
@@ -136,6 +137,7 @@ def new_figure(width: float, height: float, compressed: bool = False) -> Figure:
     return figure
 
 
+LETTERS = 10.5  # of a title that an inch holds
 CAVITATES = "no capacity where water would cavitate, beyond"
 
 
@@ -161,8 +163,9 @@ def plain(text: object) -> str:
 
 
 def set_title(figure: Figure, what: str, attrs: Mapping[str, Any], *more: str) -> None:
-    """Write the figure's title: what it shows, then the settings of the run, then remarks, a line each."""
-    figure.suptitle("\n".join(line for line in (what, headline(attrs), *more) if line))
+    """Write the figure's title: what it shows, then the settings of the run, then remarks; wide lines are wrapped."""
+    most = int(LETTERS * figure.bbox.width / figure.dpi)
+    figure.suptitle("\n".join(fill(line, most) for line in (what, headline(attrs), *more) if line))
 
 
 def plot_path(axes: Axes, x: ArrayLike, y: ArrayLike, good: Marks, **line: Any) -> Array:

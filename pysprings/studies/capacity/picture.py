@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from pysprings.core.columns import Column, Row, Table
 from pysprings.core.storage import write_text
-from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
+from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, set_title, styled, zero_lines
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
 from pysprings.scene.model import Scene
@@ -43,7 +43,7 @@ def envelopes(table: pd.DataFrame, scene: Scene, cases: pd.DataFrame | None = No
             _cases(axes, cases[(cases["V_of_envelope_N"] == load) & (cases["T_Nm"] == 0.0)], "H_N", "M_Nm")
         axes.set(title=f"V = {MN * load:.3g} MN", xlabel="H [MN]", ylabel="M about the lid centre at mudline [MN m]")
         zero_lines(axes)
-        axes.legend(loc="upper left")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1))
     for axes, load in zip(panels[1:].ravel(), loads, strict=False):
         diameter = scene.caisson.outer_diameter
         _torsion(axes, table[table["V_N"] == load], diameter)
@@ -52,7 +52,7 @@ def envelopes(table: pd.DataFrame, scene: Scene, cases: pd.DataFrame | None = No
             size, torsion = np.hypot(own["H_N"], own["M_Nm"] / diameter), own["T_Nm"].abs()
             _cases(axes, own.assign(size_N=size, T_Nm=torsion), "size_N", "T_Nm")
         axes.legend(loc="upper right")
-    figure.suptitle(plain(f"Capacity: {scene.title}"))
+    set_title(figure, plain(f"Capacity: {scene.title}"), {})
     return figure
 
 

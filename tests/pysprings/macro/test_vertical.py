@@ -514,6 +514,8 @@ def test_what_is_carried_beyond_cavitation_is_no_capacity():
         predict(wet, V=1.01 * last)
     w = [float(predict(each, V=0.99 * last)["w"]) for each in (wet, whole)]
     assert w[0] == pytest.approx(w[1], rel=1e-3)
+    ended = [line for line in to_text(compare(wet)).splitlines() if line.startswith("path up")]
+    assert len(ended) == 1 and ended[0].startswith("path up stopped (the water would cavitate beyond, at w = ")
     assert "cavitation_margin" not in Springs.of(wet).path("up").dataset  # springs at two V or rates are blended
 
 

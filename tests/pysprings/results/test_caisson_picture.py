@@ -46,6 +46,14 @@ def test_the_load_is_drawn_in_its_sense() -> None:
         assert np.sign(arrow.xy[0] - arrow.xyann[0]) == sign
 
 
+def test_a_rotation_alone_has_no_arrow_of_a_motion() -> None:
+    whole = view(1.0)
+    for u, words in ((0.0, "rotation alone"), (1.0, "motion of the lid")):
+        path = whole.path.assign(u=u * whole.path["u"]).assign_attrs(kind="rotation" if u == 0.0 else "translation")
+        texts = [text.get_text() for text in CAISSON.draw(replace(whole, path=path)).axes[0].texts]
+        assert words in texts and texts.count("") == 1 + (u != 0.0)  # of V, of the motion
+
+
 def test_springs_that_do_not_follow_the_whole_path_have_no_error_of_it() -> None:
     for states, words in ((0, "not known, first 0 of 21"), (8, "3 %, first 8 of 21")):
         whole = view(1.03)

@@ -31,6 +31,9 @@ def test_loops_show_both_models_with_stiffness_and_damping() -> None:
     np.testing.assert_allclose(np.ptp(macro.get_ydata()) / np.ptp(shown.predictions["memory"]["H"].values), 1e-6)
     assert moments.get_lines() and loads.get_legend() is not None
     assert [len(line.get_xdata()) for line in stiffness.get_lines()] == [3, 3]
+    u = 1e3 * shown.path["u"].values
+    turns = u[1:-1][np.diff(np.sign(np.diff(u))) != 0.0]
+    np.testing.assert_allclose(stiffness.get_lines()[0].get_xdata()[:2], [turns[0], 0.5 * abs(turns[1] - turns[0])])
     ratios = damping.get_lines()[0].get_ydata()
     assert np.isnan(ratios[0]) and 0.05 < ratios[-1] < 0.64  # at most 2/pi, that of a rigid-plastic loop
 

@@ -353,9 +353,8 @@ def test_depths_default_to_the_papers(pull: xr.Dataset) -> None:
 def test_depths_that_are_not_there_are_named_or_refused(pull: xr.Dataset) -> None:
     ring = float(pull["depth"][4])
     for draw in (plots.py_curves, plots.stress_rose, plots.shear_rose):
-        assert f"nearest depths with results: {ring:.2f} m for {ring + 0.02:g} m" in title(
-            draw(pull, depths=[ring + 0.02])
-        )
+        words = title(draw(pull, depths=[ring + 0.02])).replace("\n", " ")  # wrapped to a narrow figure
+        assert f"nearest depths with results: {ring:.2f} m for {ring + 0.02:g} m" in words
         assert "nearest" not in title(draw(pull, depths=[ring])) + title(draw(pull))
         with pytest.raises(UserInputError, match=r"-1, 44 m is not on the skirt, 0 to 4 m"):
             draw(pull, depths=[-1.0, ring, 44.0])
@@ -372,6 +371,20 @@ def test_gap_map_shows_widths_in_mm_and_closed_cells_empty(pull: xr.Dataset) -> 
         width = pull["gap"].sel(side=side).isel(step=-1).transpose("depth", "azimuth").values
         assert (np.ma.getmaskarray(drawn) == (width <= 0)).all()
         np.testing.assert_allclose(drawn.filled(0.0), width * 1e3)
+
+
+def test_the_tip_shows_its_stations_of_every_radius(pull: xr.Dataset) -> None:
+    pull["tip_x"] = pull["tip_x"] * np.linspace(0.98, 1.0, pull["tip_x"].size)
+    (points,) = [each for each in plots.gap_map(pull).axes[3].collections if each.get_gid() == "gap tip"]
+    shades = points.cmap(points.norm(np.asarray(points.get_array())))
+    assert (1.0 - shades[:, :3]).max(axis=1).min() > 0.2  # none is white as the page
+
+
+def test_wide_titles_are_wrapped_to_the_figure(pull: xr.Dataset) -> None:
+    figure = plots.stress_rose(pull.assign_attrs(cavitates="u = 25.9 mm", path="pull_of_a_long_name"))
+    figure.draw_without_rendering()
+    (box,) = (text.get_window_extent() for text in figure.texts)
+    assert 0.0 < box.x0 < box.x1 < figure.bbox.width
 
 
 def test_gap_titles_state_where_and_how_wide(pull: xr.Dataset) -> None:

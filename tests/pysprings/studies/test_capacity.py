@@ -319,6 +319,16 @@ def test_files_and_words(tmp_path: Path) -> None:
     assert drawn[labels[3]].get_markerfacecolor() == "white" and drawn[labels[3]].get_xdata()[0] == 0.5
 
 
+def test_the_key_of_an_envelope_does_not_hide_it() -> None:
+    """In clay an envelope leans: a force forwards carries most with a moment backwards."""
+    table = circle()
+    figure = envelopes(table.assign(H_N=table["H_N"] - 0.8 * table["M_Nm"] / D), SCENE)
+    (axes,) = figure.axes
+    figure.draw_without_rendering()
+    box, corners = axes.get_legend().get_window_extent(), axes.get_lines()[0].get_xydata()
+    assert not any(box.contains(*corner) for corner in axes.transData.transform(corners))
+
+
 @pytest.mark.slow
 def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     """Two directions; a third call runs nothing; other directions run beside those that are there."""
