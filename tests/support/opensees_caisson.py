@@ -79,7 +79,7 @@ def main() -> int:
             ops.fix(1, *held)
         ops.constraints(*task["constraints"])
         ops.numberer("Plain")
-        ops.system("FullGeneral")
+        ops.system(task["system"])
         ops.test("NormDispIncr", 1e-13, 100)
         ops.algorithm("Newton")
         ops.integrator("LoadControl", 1.0 / task["steps"])
