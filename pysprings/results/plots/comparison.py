@@ -19,7 +19,7 @@ from pysprings.macro.cycles import Followed, cycles, measured
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import Control
 from pysprings.results.parts import converged
-from pysprings.results.plots import style
+from pysprings.results.plots import overview, style
 from pysprings.results.plots.picture import Picture, abscissa, unit_text
 from pysprings.springs.path import SpringPath
 
@@ -146,6 +146,8 @@ FULL = "full model"
 def memory_loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
     """Draw H over u and M over the rotation, and secant stiffness and damping ratio of each cycle over its amplitude.
 
+    Where one of both motions is held, both loads are drawn over the other.
+
     Parameters
     ----------
     path
@@ -155,9 +157,10 @@ def memory_loops(path: SpringPath, answers: Mapping[str, xr.Dataset]) -> Figure:
     """
     figure = style.new_figure(9.6, 7.6)
     axes = figure.subplots(2, 2)
-    for panel, (x, y, scale, label) in zip(
-        axes[0], (("u", "H", style.MM, "u [mm]"), ("rotation", "M", style.MRAD, "rotation [mrad]")), strict=True
-    ):
+    motions = {"H": ("u", style.MM, "u [mm]"), "M": ("rotation", style.MRAD, "rotation [mrad]")}
+    moved = [load for load, (name, *_) in motions.items() if np.ptp(path[name]) > overview.SMALLEST]
+    for panel, y in zip(axes[0], motions, strict=True):
+        x, scale, label = motions[y if y in moved or not moved else moved[0]]
         factor, unit = unit_text(path[y])
         panel.plot(path[x] * scale, path[y] * factor, color=style.INK, linewidth=2.2, label=FULL)
         for name, answer in answers.items():
@@ -196,7 +199,7 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
             looks = dict(zip(("color", "marker", "label"), look, strict=True))
             values = table[f"{what}_{whose}"].to_numpy() * scale
             panel.plot(amplitude, values, linestyle="none", markersize=6, fillstyle="none", **looks)
-        panel.set(xlabel=f"amplitude of {motion}", ylabel=words, ylim=(0, None))
+        panel.set(xlabel=f"amplitude of {motion}", ylabel=words, ylim=(0.0, 1.05 * panel.dataLim.y1))
 
 
 LOOPS = Picture(

@@ -13,14 +13,17 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from pysprings.core.errors import PyspringsError
-from pysprings.core.path_kinds import driven, has_free_head
+from pysprings.core.path_kinds import MEMORY, driven, has_free_head, turns_back
 from pysprings.core.text import percent
+from pysprings.macro import measures
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.parts import converged
 from pysprings.results.plots import style
-from pysprings.results.plots.comparison import LOOKS, SMALLEST
-from pysprings.results.plots.picture import Picture, View, unit_text
+from pysprings.results.plots.comparison import LOOKS
+from pysprings.results.plots.overview import SMALLEST
+from pysprings.results.plots.picture import Picture, View, skirt_length, unit_text
 from pysprings.results.plots.section import quad_corners
+from pysprings.springs.path import SpringPath
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -148,7 +151,8 @@ def caisson(view: View) -> Figure:
 
     Raises ValueError where the result does not hold its scene, or there is no prediction.
     """
-    scene, kind = scene_of(view), next((name for name in SETS if name in view.predictions), None)
+    sets = (MEMORY, *SETS) if turns_back(view.path.attrs) else SETS
+    scene, kind = scene_of(view), next((name for name in sets if name in view.predictions), None)
     if scene is None or kind is None:
         raise ValueError("the result holds no scene, or no springs of the path")
     figure = style.new_figure(9.6, 4.4)
@@ -169,7 +173,7 @@ def _in_ground(axes: Axes, view: View, scene: Scene) -> None:
     arrow: Any = {"arrowprops": {"arrowstyle": "-|>", "color": style.VERMILLION, "linewidth": 2.2}, "va": "center"}
     tip = 0.0 if at < -0.2 * radius else -1.05 * radius  # beside the lid
     shown = view.path["H" if has_free_head(attrs) else "u"].values[converged(view.path)]
-    turns = not has_free_head(attrs) and not shown.any()
+    turns = not has_free_head(attrs) and np.abs(shown).max(initial=0.0) <= SMALLEST
     words = f"H at {arm:.4g} m" if has_free_head(attrs) else "rotation alone" if turns else "motion of the lid"
     along = ((tip, at), (tip - SIZE * radius, at))
     if not turns:
@@ -200,9 +204,10 @@ def _curve(axes: Axes, view: View, kind: str) -> None:
         style.plot_path(axes, data[motion].values * style.MM, data[load].values * factor, converged(data), **look)
     whole = int(good.sum())
     n = min(found.sizes["step"], whole)
-    own, ours = (each[load].values[keep][:n] for each, keep in ((full, good), (found, slice(None))))
-    shown = np.abs(own) > SMALLEST * np.abs(own).max(initial=0.0)
-    error = percent(100.0 * np.abs(ours[shown] / own[shown] - 1.0).max()) if shown.any() else "not known"
+    path = SpringPath(str(full.attrs["path"]), full.isel(step=np.flatnonzero(good)[:n]), skirt_length(full))
+    errors = measures.errors(path, found.isel(step=slice(n)), measures.abscissa(path), (load,))
+    worst = abs(errors[f"{load}_error_max_pct"])
+    error = percent(worst) if np.isfinite(worst) else "not known"
     error += f", first {n} of {whole} states alone" * (n < whole)
     axes.set(xlabel=label, ylabel=f"{load} [{unit}{' m' if turns else ''}]")
     axes.set_title(f"largest error of the springs in {load}: {error}")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.core.path_kinds import PARTS
 from pysprings.core.text import percent
 from pysprings.results.parts import path_data
 from pysprings.results.plots.ground import CAISSON
@@ -48,10 +49,10 @@ def test_the_load_is_drawn_in_its_sense() -> None:
 
 def test_a_rotation_alone_has_no_arrow_of_a_motion() -> None:
     whole = view(1.0)
-    for u, words in ((0.0, "rotation alone"), (1.0, "motion of the lid")):
-        path = whole.path.assign(u=u * whole.path["u"]).assign_attrs(kind="rotation" if u == 0.0 else "translation")
+    for u, kind, words in ((1e-12, "rotation", "rotation alone"), (1.0, "translation", "motion of the lid")):
+        path = whole.path.assign(u=u * whole.path["u"]).assign_attrs(kind=kind)
         texts = [text.get_text() for text in CAISSON.draw(replace(whole, path=path)).axes[0].texts]
-        assert words in texts and texts.count("") == 1 + (u != 0.0)  # of V, of the motion
+        assert words in texts and texts.count("") == 1 + (kind != "rotation")  # of V, of the motion
 
 
 def test_springs_that_do_not_follow_the_whole_path_have_no_error_of_it() -> None:
@@ -60,6 +61,19 @@ def test_springs_that_do_not_follow_the_whole_path_have_no_error_of_it() -> None
         part = replace(whole, predictions={"fan": whole.predictions["fan"].isel(step=slice(states))})
         title = CAISSON.draw(part).axes[1].get_title(loc="left")
         assert title == f"largest error of the springs in H: {words} states alone"
+
+
+def test_a_path_that_turns_back_has_the_error_of_the_comparison_and_springs_with_memory() -> None:
+    """Where H passes zero a relative error has no meaning: it is one of the largest H, as `compare` states it."""
+    whole = view(1.0)
+    path = whole.path.assign(H=whole.path["H"] * np.cos(np.linspace(0.0, 6.0, whole.path.sizes["step"])))
+    path = path.assign_attrs({PARTS: 1})
+    largest = float(np.abs(path["H"]).max())
+    answers = {name: whole.predictions["fan"].assign(H=path["H"] + off * largest)
+               for name, off in (("fan", 0.5), ("memory", 0.02))}  # fmt: skip
+    right = CAISSON.draw(replace(whole, path=path, predictions=answers)).axes[1]
+    assert right.get_title(loc="left") == "largest error of the springs in H: 2 %"
+    assert right.get_lines()[1].get_label() == "springs with memory"
 
 
 def test_it_needs_a_scene_and_springs() -> None:

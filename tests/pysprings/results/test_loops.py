@@ -29,7 +29,9 @@ def test_loops_show_both_models_with_stiffness_and_damping() -> None:
     full, macro = loads.get_lines()[:2]
     np.testing.assert_allclose(full.get_xdata(), 1e3 * shown.path["u"].values)
     np.testing.assert_allclose(np.ptp(macro.get_ydata()) / np.ptp(shown.predictions["memory"]["H"].values), 1e-6)
-    assert moments.get_lines() and loads.get_legend() is not None
+    assert moments.get_xlabel() == "u [mm]" and loads.get_legend() is not None  # no rotation: it is held
+    np.testing.assert_array_equal(moments.get_lines()[0].get_xdata(), full.get_xdata())
+    assert max(damping.get_lines()[0].get_ydata()[1:]) < 0.96 * damping.get_ylim()[1]
     assert [len(line.get_xdata()) for line in stiffness.get_lines()] == [3, 3]
     u = 1e3 * shown.path["u"].values
     turns = u[1:-1][np.diff(np.sign(np.diff(u))) != 0.0]
