@@ -112,7 +112,7 @@ class Comparison:
         there = set(frame["path"])
         left = [name for name in (*self.springs.paths, *self.springs.space) if name not in there]
         frame.attrs |= {"reference": self.springs.reference, "unanswered": left if self.springs_kind is None else []}
-        ways = self.springs.paths | self.springs.space
+        ways = {**self.springs.paths, **self.springs.space}
         frame.attrs["ends"] = {name: path.end.words for name, path in ways.items() if path.end.failed}
         return frame
 

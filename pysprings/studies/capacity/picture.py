@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 from pysprings.core.columns import Column, Row, Table
 from pysprings.core.storage import write_text
-from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, set_title, styled, zero_lines
+from pysprings.results.plots import style
+from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
 from pysprings.scene.model import Scene
@@ -52,7 +53,7 @@ def envelopes(table: pd.DataFrame, scene: Scene, cases: pd.DataFrame | None = No
             size, torsion = np.hypot(own["H_N"], own["M_Nm"] / diameter), own["T_Nm"].abs()
             _cases(axes, own.assign(size_N=size, T_Nm=torsion), "size_N", "T_Nm")
         axes.legend(loc="upper right")
-    set_title(figure, plain(f"Capacity: {scene.title}"), {})
+    style.set_title(figure, plain(f"Capacity: {scene.title}"), {})
     return figure
 
 
