@@ -294,13 +294,13 @@ def _turn(column, turns, rhs, k):
     False where the column has nothing that is new.
     """
     for j in range(k):
-        c, s = turns[j]
+        c, s = turns[j, 0], turns[j, 1]
         column[j], column[j + 1] = c * column[j] + s * column[j + 1], c * column[j + 1] - s * column[j]
     size = np.hypot(column[k], column[k + 1])
     if size == 0.0:
         return False
     c, s = column[k] / size, column[k + 1] / size
-    turns[k] = c, s
+    turns[k, 0], turns[k, 1] = c, s
     column[k], column[k + 1] = size, 0.0
     rhs[k], rhs[k + 1] = c * rhs[k], -s * rhs[k]
     return True

@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import gc
 import tempfile
 import warnings
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pysprings.cli.options import Changes, Json, argument
 from pysprings.cli.scene import load
 from pysprings.cli.support import print_json, to_stderr
 from pysprings.core import jit
+from pysprings.core.progress import Progress
+from pysprings.core.workers import Task, cores, run_tasks
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -28,7 +32,7 @@ def compile(  # the name of the command
     A small model of the scene is run and thrown away; the compiled loops are kept until the program changes.
     """
     scenes = _templates() if scene is None else {str(scene): load(scene, None, changes)}
-    seconds = {name: compiled(each) for name, each in scenes.items()}
+    seconds = {name: compiled(each, jobs=cores()) for name, each in scenes.items()}
     if as_json:
         print_json({"compiled_s": seconds})
     else:
@@ -43,32 +47,67 @@ def _templates() -> dict[str, Scene]:
     return {name: parse_scene(template_text(name)) for name in template_names()}
 
 
-def compiled(scene: Scene, quiet: bool = False) -> float:
+def compiled(scene: Scene, quiet: bool = False, jobs: int = 1) -> float:
+    """Compile the loops of a scene, and return the time [s]; more ``jobs`` than one compile those of springs beside."""
+    found: list[float] = []
+
+    def begun(*_: object) -> None:
+        if not (quiet or found):
+            to_stderr("note: compiling the loops of this kind of scene, once; it takes about half a minute")
+        found.append(0.0)
+
+    def done(_: Task, seconds: Any) -> None:
+        if isinstance(seconds, float):  # an error: a run of the scene itself says what is wrong
+            found.append(seconds)
+
+    mark = jit.mark_of(_kind(scene))
+    tasks = [Task("model", _model, (scene,), 2.0, begun), Task("springs", _springs, (), 1.0, begun)]
+    run_tasks(tasks if jobs > 1 else tasks[:1], jobs, done)
+    if mark is not None:
+        mark.touch()
+    return max(found, default=0.0)
+
+
+def _model(scene: Scene, progress: Progress) -> float:
     """Run a small model of a scene, which compiles its loops; return the seconds of wall time that this took."""
     from pysprings.results.folder import Writing, run_to_folder
     from pysprings.studies.accuracy.runs import warm_up_scene
 
-    def begun() -> None:
-        if not quiet:
-            to_stderr("note: compiling the loops of this kind of scene, once; it takes about half a minute")
-
-    mark = jit.mark_of(_kind(scene))
-    with tempfile.TemporaryDirectory() as folder, jit.compilation(begun) as seconds, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a mesh that nobody uses
-        with suppress(Exception):  # a run of the scene itself says what is wrong
-            small = warm_up_scene(scene, scene.mesh.discretisation)
-            run_to_folder(small, folder, estimate_error=False, writing=Writing(figures="none"))
-    if mark is not None:
-        mark.touch()
+    with _watched(progress) as seconds, tempfile.TemporaryDirectory() as folder, suppress(Exception):
+        small = warm_up_scene(scene, scene.mesh.discretisation)
+        run_to_folder(small, folder, estimate_error=False, writing=Writing(figures="none"))
     return seconds()
 
 
-def compile_first(scene: Scene, quiet: bool = False) -> None:
+def _springs(progress: Progress) -> float:
+    """Predict with the springs of an atlas, which compiles the loops of fans; return the seconds that this took."""
+    from pysprings.macro.predict import curve
+    from pysprings.studies.atlas.model import open_atlas, shipped
+
+    with _watched(progress) as seconds:
+        atlas = open_atlas(shipped()[0])
+        curve(atlas.springs(atlas.scene()), u_max=1e-3, n=2)
+    return seconds()
+
+
+@contextmanager
+def _watched(progress: Progress) -> Iterator[Callable[[], float]]:
+    """Report that compilation begins; yield a function that returns the seconds that it has taken; no warnings."""
+    gc.disable()  # of Numba's trees, which stay reachable: looking through them takes a twentieth of the time
+    try:
+        with jit.compilation(lambda: progress("compiling", 0.0, "")) as seconds, warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a mesh that nobody uses
+            yield seconds
+    finally:
+        gc.enable()
+
+
+def compile_first(scene: Scene, quiet: bool = False, jobs: int | None = 1) -> None:
     """Compile the loops of a scene whose kind has not run yet, before worker processes would each do so."""
     mark = jit.mark_of(_kind(scene))
     if mark is None or mark.exists():
         return
-    seconds = compiled(scene, quiet)
+    seconds = compiled(scene, quiet, jobs or cores())
     if seconds and not quiet:
         to_stderr(f"note: compiled in {seconds:.0f} s; later runs have the loops")
 

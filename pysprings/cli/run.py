@@ -183,7 +183,7 @@ def run_one(scene: Scene, folder: Path, options: RunOptions) -> Stopped:
 
     before = record_stamp(folder)
     with interruptible():
-        compile_first(on_mesh(scene, options.mesh), options.quiet)
+        compile_first(on_mesh(scene, options.mesh), options.quiet, options.jobs)
     try:
         with interruptible(), reporter(None if options.quiet else sys.stderr) as progress:
             given: dict[str, Any] = {

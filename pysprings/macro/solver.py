@@ -109,8 +109,8 @@ def reactions(springs, u, rotation, F, K):
     if law == FAN:
         fan_loads(springs, u, rotation, F, K)
         return
-    F[:] = 0.0
-    K[:, :] = 0.0
+    for i in range(2):
+        F[i], K[i, 0], K[i, 1] = 0.0, 0.0, 0.0
     for j in range(count.size):
         q = a[j, 0] * u + a[j, 1] * rotation
         r, k = spring_row(knots[j], values[j], slopes[j], count[j], q)
@@ -130,7 +130,8 @@ def fan_stencil(angles, phi, rays, signs, weights, turns):
         g(phi) = [sin(phi2 - phi) S1 + sin(phi - phi1) S2] / sin D + D [c1 t (1-t)^2 - c2 t^2 (1-t)].
     The first part is exact for any linear response, g = A cos(phi) + B sin(phi). c1, c2 turn its slopes at the
     rays into the mean of both sides', weighted as in a parabola through three points (they vanish for a linear
-    response): g has a continuous slope and an error of third order in D.
+    response): g has a continuous slope and an error of third order in D. Callers pass angles with a step, [::1], as
+    `fan_loads` does: views of one kind, compiled once.
     """
     n, sign = angles.size, 1.0
     while phi < angles[0]:
@@ -204,7 +205,7 @@ def fan_rows(angles, knots, values, slopes, count, even, rho, phi):
     rays, signs = np.empty(STENCIL, np.int64), np.empty(STENCIL)
     weights, turns = np.empty(STENCIL), np.empty(STENCIL)
     for i in range(rho.size):
-        t = fan_stencil(angles, phi[i], rays, signs, weights, turns)
+        t = fan_stencil(angles[::1], phi[i], rays, signs, weights, turns)
         for k in range(STENCIL):
             mean = (0.0, 1.0 - t, t, 0.0)[k]
             ray = rays[k]
@@ -222,7 +223,7 @@ def fan_places(angles, phi):
     rays, signs = np.empty(STENCIL, np.int64), np.empty(STENCIL)
     weights, turns = np.empty(STENCIL), np.empty(STENCIL)
     for i in range(phi.size):
-        places[i, 2] = fan_stencil(angles, phi[i], rays, signs, weights, turns)
+        places[i, 2] = fan_stencil(angles[::1], phi[i], rays, signs, weights, turns)
         places[i, 0], places[i, 1] = rays[1], rays[2]
     return places
 
@@ -297,19 +298,18 @@ def follow(springs, drive, start, targets, states, loads):
         while done < 1.0:
             aim = min(1.0, done + width)
             c0, c1 = from0 + aim * (targets[n, 0] - from0), from1 + aim * (targets[n, 1] - from1)
-            trial[:] = x
+            trial[0], trial[1] = x[0], x[1]
             if _newton(springs, drive, c0, c1, trial, F, K) < 0:
                 halvings += 1
                 width *= 0.5
                 if halvings > MAX_HALVINGS:
-                    states[n] = x
+                    states[n, 0], states[n, 1] = x[0], x[1]
                     reactions(springs, x[0], x[1], loads[n], K)
                     return n, at0, at1
             else:
-                x[:], done, at0, at1 = trial, aim, c0, c1
-        states[n] = x
-        reactions(springs, x[0], x[1], F, K)
-        loads[n] = F
+                x[0], x[1], done, at0, at1 = trial[0], trial[1], aim, c0, c1
+        states[n, 0], states[n, 1] = x[0], x[1]
+        reactions(springs, x[0], x[1], loads[n], K)
     return targets.shape[0], at0, at1
 
 

@@ -12,9 +12,11 @@ from pysprings.core import jit
 from pysprings.core.storage import read_tree
 from pysprings.results.folder import Writing, run_to_folder
 from pysprings.scene.load import load_scene
+from pysprings.springs.checks import save_springs
 from pysprings.studies.accuracy.runs import warm_up_scene
 from tests.support import tiny
-from tests.support.commands import command
+from tests.support.commands import command, run_python
+from tests.support.fans import fan_springs, potential
 
 
 @pytest.fixture
@@ -59,14 +61,33 @@ def test_only_the_first_run_of_a_kind_compiles_before(
     mark: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     made: list[bool] = []
-    monkeypatch.setattr(compiling, "compiled", lambda _scene, quiet: made.append(quiet) or 3.4)
+    monkeypatch.setattr(compiling, "compiled", lambda _scene, quiet, jobs: made.append((quiet, jobs)) or 3.4)
     compiling.compile_first(tiny.scene())
     assert capsys.readouterr().err == "note: compiled in 3 s; later runs have the loops\n"
-    compiling.compile_first(tiny.scene(), quiet=True)
-    assert made == [False, True] and capsys.readouterr().err == ""
+    compiling.compile_first(tiny.scene(), quiet=True, jobs=3)
+    assert made == [(False, 1), (True, 3)] and capsys.readouterr().err == ""
     mark.touch()
     compiling.compile_first(tiny.scene())
     assert len(made) == 2
+
+
+def test_springs_of_an_atlas_compile_what_those_of_a_run_need() -> None:
+    """The loops of a fan are compiled while another process compiles those of the model."""
+    code = (
+        "import sys\nfrom pysprings.cli import compiling\nfrom pysprings.core.storage import read_tree\n"
+        "from pysprings.macro import solver\nfrom pysprings.macro.predict import curve\n"
+        "def known():\n    return {n: [*f.signatures] for n, f in vars(solver).items() if hasattr(f, 'signatures')}\n"
+        "compiling._springs(print)\nbefore = known()\ncurve(read_tree(sys.argv[1]), u_max=1e-3, n=2)\n"
+        "assert before['follow'] and before['fan_rows']\nprint(before == known())"
+    )
+    done = run_python("-c", code, save_springs(fan_springs(potential), Path("springs.nc")))
+    assert done.stdout.endswith("True\n"), done.stderr
+
+
+def test_loops_are_compiled_in_two_processes(mark: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    seconds = compiling.compiled(tiny.scene(), jobs=2)
+    note = capsys.readouterr().err
+    assert mark.exists() and (note.count("compiling the loops") == 1) == (seconds > 0.0)
 
 
 def test_what_makes_a_kind(scene_file: Path) -> None:
