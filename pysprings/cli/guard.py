@@ -69,8 +69,9 @@ def explained(error: BaseException) -> tuple[str, int]:
     if isinstance(error, errors.UserInputError):
         return str(error), error.exit_code
     if isinstance(error, errors.RunIncomplete):
-        where = f"\nwhat converged is kept in {error.folder}" if error.folder else ""
-        return f"fatal: not converged: {error}{where}", error.exit_code
+        what, kept = error.words
+        where = f"\n{kept} kept in {error.folder}" if error.folder else ""
+        return f"fatal: {what}: {error}{where}", error.exit_code
     if isinstance(error, KeyboardInterrupt):
         return "interrupted", errors.EXIT_INTERRUPTED
     if isinstance(error, MemoryError):

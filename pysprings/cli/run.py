@@ -37,7 +37,7 @@ from pysprings.cli.options import (
 )
 from pysprings.cli.scene import load, on_mesh
 from pysprings.cli.support import interruptible, logged, print_json, refuse, to_stderr, write_log
-from pysprings.core.errors import ResourceError, RunIncomplete
+from pysprings.core.errors import ResourceError, RunIncomplete, TargetMissed
 from pysprings.core.words import FigureFormat, Figures
 from pysprings.core.written import is_unfinished
 
@@ -231,6 +231,7 @@ def _ended_run(folder: Path, scene: Scene, target: str | None) -> Stopped:
         refuse("--resume", f"the run here was made {f'with --target-error {had}' if had else 'without --target-error'}")
     refuse_other_run(folder, record, as_ran(scene, record.target_error))
     to_stderr(f"the run in {folder} has ended ({record.status}): nothing is left to do")
+    if not record.complete:
+        return RunIncomplete("; ".join(record.failures), folder) if record.failures else None
     missed = (record.target_error or {}).get("missed")
-    why = missed if record.complete else "; ".join(record.failures)
-    return RunIncomplete(why, folder) if why else None
+    return TargetMissed(missed, folder) if missed else None

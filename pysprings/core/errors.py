@@ -109,6 +109,7 @@ class RunIncomplete(PyspringsError):
     """
 
     exit_code = EXIT_NOT_CONVERGED
+    words = "not converged", "what converged is"
 
     def __init__(
         self, message: str, folder: str | os.PathLike[str] | None = None, reasons: Iterable[StopReason] = ()
@@ -120,6 +121,12 @@ class RunIncomplete(PyspringsError):
 
     def __str__(self) -> str:
         return self.message
+
+
+class TargetMissed(RunIncomplete):
+    """A run that converged, and whose own estimate of its error is above the target or not known."""
+
+    words = "target missed", "the results are"
 
 
 def reason_of(error: BaseException) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 
 from pysprings.core import variables, version
-from pysprings.core.errors import ResourceError, RunIncomplete
+from pysprings.core.errors import ResourceError, RunIncomplete, TargetMissed
 from pysprings.core.words import StopReason
 from pysprings.full_model.checkpoint import Loaded
 from pysprings.full_model.run_record import CheckpointCost, Computed, MeshFigures, RunRecord, SolverFigures, Status
@@ -157,4 +157,4 @@ def raise_if_incomplete(result: Computed, folder: str | os.PathLike[str] | None 
     if record.status is not Status.COMPLETE:
         raise RunIncomplete("; ".join(record.failures), folder, record.reasons)
     if missed := (record.target_error or {}).get("missed"):
-        raise RunIncomplete(missed, folder)
+        raise TargetMissed(missed, folder)

@@ -12,7 +12,7 @@ from typing import Any, NoReturn, TypeVar
 
 import xarray as xr
 
-from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
+from pysprings.core.errors import RunIncomplete, TargetMissed, UserInputError, reason_of
 from pysprings.core.progress import Progress
 from pysprings.core.storage import remove_leftovers, write_attribute, write_text, write_tree
 from pysprings.core.text import json_text
@@ -128,7 +128,7 @@ def _conclude(folder: Path, missed: str) -> NoReturn:
     record = RunRecord.read(folder)
     assert record is not None
     _write_record(folder, record.as_dict() | {"target_error": {**(record.target_error or {}), "missed": missed}})
-    raise RunIncomplete(missed, folder)
+    raise TargetMissed(missed, folder)
 
 
 def run_or_go_on(

@@ -12,7 +12,7 @@ import typer
 
 from fe_engine.errors import MeshError, NotConverged
 from pysprings.cli.guard import DEBUG, guarded
-from pysprings.core.errors import Problem, ResourceError, RunIncomplete, UserInputError
+from pysprings.core.errors import Problem, ResourceError, RunIncomplete, TargetMissed, UserInputError
 from pysprings.springs.checks import save_springs
 from tests.support import synthetic
 from tests.support.commands import environment
@@ -33,6 +33,11 @@ def failing(error: BaseException) -> Callable[[], None]:
             RunIncomplete("pull: stopped at 3 mm", "out/caisson"),
             3,
             "fatal: not converged: pull: stopped at 3 mm\nwhat converged is kept in out/caisson\n",
+        ),
+        (
+            TargetMissed("--target-error 2%: the run's own estimate is 3 %", "out"),
+            3,
+            "fatal: target missed: --target-error 2%: the run's own estimate is 3 %\nthe results are kept in out\n",
         ),
         (NotConverged("no balance", "node 3"), 3, "fatal: not converged: no balance (node 3)\n"),
         (

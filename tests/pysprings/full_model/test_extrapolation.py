@@ -14,7 +14,7 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from pysprings import Scene, predict, predict_batch
-from pysprings.core.errors import RunIncomplete
+from pysprings.core.errors import TargetMissed
 from pysprings.core.storage import read_tree
 from pysprings.core.text import number
 from pysprings.full_model.accuracy import own_estimate, target, two_mesh
@@ -269,7 +269,7 @@ def test_a_target_is_missed_where_the_budget_is_spent_or_runs_are_used_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(target.START, "0.5%", "coarse")
-    with pytest.raises(RunIncomplete, match=r"--target-error 0.5%: .* of the budget 0 s are left"):
+    with pytest.raises(TargetMissed, match=r"--target-error 0.5%: .* of the budget 0 s are left"):
         runs_to(tmp_path / "out", "0.5%", budget=1e-9)
     record = RunRecord.read(tmp_path / "out")
     assert record is not None and record.complete and record.target_error is not None
@@ -278,7 +278,9 @@ def test_a_target_is_missed_where_the_budget_is_spent_or_runs_are_used_up(
     (tmp_path / "small.toml").write_text(small().to_toml(), encoding="utf-8")
     more = ("run", tmp_path / "small.toml", "--out", tmp_path / "out", "--target-error", "0.5%", "--resume", "--quiet")
     done = command(*more)  # goes on where a budget was spent
-    assert done.code == 3 and "2 meshes were tried" in done.err and "nothing is left to do" not in done.err
+    assert done.code == 3 and "nothing is left to do" not in done.err
+    assert done.err.startswith("fatal: target missed: ") and "2 meshes were tried" in done.err
     record = RunRecord.read(tmp_path / "out")
     assert record is not None and len((record.target_error or {})["runs"]) == 2
-    assert "nothing is left to do" in command(*more).err
+    again = command(*more).err
+    assert "nothing is left to do" in again and "fatal: target missed: " in again
