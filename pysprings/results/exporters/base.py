@@ -56,7 +56,7 @@ class Source:
     ) -> None:
         self._springs, self._result = springs, result
         self.summary: dict[str, str] = {}  # of the run, by heading
-        self.mesh_error = "discretisation error: not recorded beside these springs"  # of the run, a sentence
+        self.mesh_error = ""  # of the run, a sentence; blank: what the springs have of it
 
     @cached_property
     def springs(self) -> xr.DataTree:

@@ -12,6 +12,7 @@ import pandas as pd
 from pysprings.core.errors import refused
 from pysprings.core.loads import close_loads, same_load
 from pysprings.core.path_kinds import HELD_BACK, MEMORY, VERTICAL
+from pysprings.core.text import percent
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Options, Source
 from pysprings.springs.path import SpringPath
@@ -93,7 +94,7 @@ def header(
         *([_STEEL] if attrs.get("caisson_behaviour") == "elastic" else []),
         *_ranges(at or given),
         *_errors(source.comparison, given.reference, V, kind),
-        source.mesh_error,
+        source.mesh_error or _mesh_error(at or given),
     ]
 
 
@@ -105,6 +106,15 @@ def _of_atlas(springs: Springs) -> Iterator[str]:
         known = {name: springs.attrs.get(f"{name}_relative_deviation", np.nan) for name in ("K_H", "K_V", "K_M")}
         parts = ", ".join(f"{name} {100.0 * float(value):.2g} %" for name, value in known.items())
         yield f"standard deviation of the initial stiffness: {parts}; of loads and motions: see `pysprings predict`"
+
+
+def _mesh_error(springs: Springs) -> str:
+    """Return a sentence on the largest error that the mesh makes in the load of a path, by the run's own estimate."""
+    known = {name: end.mesh_error for name, end in springs.ends.items() if np.isfinite(end.mesh_error)}
+    if not known:
+        return "discretisation error: not recorded beside these springs"
+    worst = max(known, key=known.__getitem__)
+    return f"estimated discretisation error of the load: {percent(known[worst])} at most (path {worst})"
 
 
 def _ranges(springs: Springs) -> Iterator[str]:

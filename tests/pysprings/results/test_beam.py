@@ -123,6 +123,15 @@ def test_what_is_corrected_and_the_vertical_load_stand_in_the_head() -> None:
     assert p[1] == pytest.approx(3.0 * p[0], rel=0.02)
 
 
+def test_the_error_of_the_mesh_is_that_of_the_worst_path_where_the_springs_have_it() -> None:
+    assert "discretisation error: not recorded" in text()
+    springs = make_springs(PATHS)
+    for name, error in (("across", 2.0), ("over", 3.4)):
+        springs[f"paths/{name}"].attrs["mesh_error_pct"] = error
+    own = exporters.text(springs, "beam")
+    assert "estimated discretisation error of the load: 3.4 % at most (path over)" in own
+
+
 def test_what_the_safe_side_changes_of_force_and_moment_stands_in_the_head() -> None:
     """The lid pulls along: it is cut, p is less by as much, and the moment with it."""
     tree = make_springs(PATHS)
