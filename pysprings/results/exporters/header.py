@@ -39,7 +39,8 @@ def springs_at(source: Source, options: Options) -> tuple[Springs, float | None]
 
 
 _ERRORS = {
-    "H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load", "V": "vertical load"
+    "H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load", "V": "vertical load",
+    "T": "T/R over the largest load",
 }  # fmt: skip
 
 
@@ -157,7 +158,7 @@ def _errors(comparison: pd.DataFrame, reference: str, V: float | None, kind: str
         used = held if len(held) else rows[(rows["role"] != MEMORY) | (springs == MEMORY)]
         parts = []
         for key, words in _ERRORS.items():
-            sizes = used[f"{key}_error_max_pct"].abs()
+            sizes = used.get(f"{key}_error_max_pct", pd.Series(np.nan, used.index)).abs()
             if np.isfinite(sizes).any():
                 parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
         role = "held-back" if len(held) else "calibration"
@@ -195,9 +196,9 @@ def error_of_row(row: pd.Series | dict, reference: str) -> str:
     parts = [
         f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
         for key, words in _ERRORS.items()
-        if np.isfinite(row[f"{key}_error_max_pct"])
+        if np.isfinite(row.get(f"{key}_error_max_pct", np.nan))
     ]
-    source = f"springs of path {row['springs_from']}, {row['role']} path"
+    source = f"springs from {row['springs_from']}, {row['role']} path"
     eta = f"; eta {row['eta_large']:.4f}" if np.isfinite(row["eta_large"]) else ""  # out of one plane there is none
     errors = f"largest error against {reference}: {', '.join(parts)}{eta}"
     return f"{errors} ({source}; {row['status']})"
