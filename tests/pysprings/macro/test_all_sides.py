@@ -268,6 +268,8 @@ def test_report_and_workbook_have_the_errors_out_of_one_plane(tmp_path: Path) ->
     assert list(row[1:3]) == ["held-back", "memory"] and f"{elbow['p_error_max_pct']:.2f}" in row
     words = [text for _, name, text in about_lines(tree, frame, {}) if name == "elbow, memory"]
     assert words[0].startswith(f"largest error against the full model: load {elbow['H_error_max_pct']:+.2f} %")
-    assert f"T/R over the largest load {elbow['T_error_max_pct']:+.2f} % (springs from paths out of one plane" in words[0]
+    assert (
+        f"T/R over the largest load {elbow['T_error_max_pct']:+.2f} % (springs from paths out of one plane" in words[0]
+    )
     assert "nan" not in words[0]
     assert "space" in tree.children and "space" not in reslice(tree, [0.0, 1.5, space_paths.LENGTH]).children
