@@ -94,19 +94,20 @@ def header(
         use,
         *([_STEEL] if attrs.get("caisson_behaviour") == "elastic" else []),
         *_ranges(at or given),
-        *_errors(source.comparison, given.reference, V, kind),
+        *_errors(source.comparison, given, V, kind),
         source.mesh_error or _mesh_error(at or given),
     ]
 
 
 def _of_atlas(springs: Springs) -> Iterator[str]:
-    """Yield where the caisson is outside an atlas, and what its initial stiffness may be off."""
+    """Yield where the caisson is outside an atlas, what its initial stiffness may be off, and errors held back."""
     if outside := str(springs.attrs.get("atlas_outside", "")):
         yield outside
     if springs.of_atlas:
         known = {name: springs.attrs.get(f"{name}_relative_deviation", np.nan) for name in ("K_H", "K_V", "K_M")}
         parts = ", ".join(f"{name} {100.0 * float(value):.2g} %" for name, value in known.items())
         yield f"standard deviation of the initial stiffness: {parts}; of loads and motions: see `pysprings predict`"
+        yield f"atlas: {springs.attrs.get('atlas', 'not recorded')}"
 
 
 def _mesh_error(springs: Springs) -> str:
@@ -139,14 +140,14 @@ def _ranges(springs: Springs) -> Iterator[str]:
     yield from (f"path {path.name} {path.end.words}" for path in paths if path.end.failed)
 
 
-def _errors(comparison: pd.DataFrame, reference: str, V: float | None, kind: str) -> Iterator[str]:
+def _errors(comparison: pd.DataFrame, given: Springs, V: float | None, kind: str) -> Iterator[str]:
     """Yield the largest errors of a spring set, on held-back paths where there are any, and their paths.
 
     Blank is the set that predicts. Lateral paths are those at V [N], all without it.
     """
     here = (comparison["kind"] == VERTICAL) | (V is None or close_loads(comparison["V_N"].to_numpy(float), V))
     held_back = (comparison["role"] == HELD_BACK) & (comparison["kind"] != VERTICAL)
-    if V is not None and not (here & held_back).any():
+    if V is not None and not given.of_atlas and not (here & held_back).any():
         yield f"no path is held back at V = {1e-3 * V:.6g} kN: errors of lateral springs are not known there"
     sets = comparison[here].groupby("springs", sort=False)
     predict = kind or next((each for each in _PREDICT if each in sets.groups), None)
@@ -163,7 +164,7 @@ def _errors(comparison: pd.DataFrame, reference: str, V: float | None, kind: str
                 parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
         role = "held-back" if len(held) else "calibration"
         if parts:
-            head = f"largest errors of springs {springs!s} against {reference}, {len(used)} {role} paths"
+            head = f"largest errors of springs {springs!s} against {given.reference}, {len(used)} {role} paths"
             yield f"{head}: {', '.join(parts)}"
 
 

@@ -55,6 +55,8 @@ def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
     for text in (head, "\n".join(done.remarks)):
         assert [each for each in words if each in text] == words
     assert "against the full model" not in head and f"against the rays of the atlas {name}" in head
+    assert f"atlas: {made.attrs['atlas'][:60]}" in head and "held back: largest errors on" in head
+    assert "errors of lateral springs are not known" not in head
     export(made, "xlsx", tmp_path / "springs.xlsx")
     book = openpyxl.load_workbook(tmp_path / "springs.xlsx")
     cells = [text for sheet in book for row in sheet.values for text in row if "full model" in str(text)]
