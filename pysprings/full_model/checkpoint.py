@@ -272,9 +272,8 @@ def write(file: Path, saved: Saved) -> None:
     meta = json.dumps(saved.meta, default=lambda value: value.tolist()).encode("utf-8")
     arrays: dict[str, Any] = {_META: np.frombuffer(meta, dtype=np.uint8), **saved.arrays}
     np.savez(packed, **arrays)
-    content = packed.getbuffer()
-    head = {"format": FORMAT, "sha256": hashlib.sha256(content).hexdigest()}
-    with replacing(file) as temporary, temporary.open("wb") as stream:
+    with packed.getbuffer() as content, replacing(file) as temporary, temporary.open("wb") as stream:
+        head = {"format": FORMAT, "sha256": hashlib.sha256(content).hexdigest()}
         stream.write(json.dumps(head).encode("utf-8") + b"\n")
         stream.write(content)
 
