@@ -30,6 +30,7 @@ MAX_ITERATIONS, MAX_HALVINGS, MAX_CUTS = 40, 12, 10
 TOLERANCE = 1.0e-9  # residual over the stress of the specimen
 _FIRST = 1.0e-6  # strain of the first increment
 
+TOTAL = "total stress"
 LEAST_SHARE = 1.0e-4  # of the consolidation stress, sum of principal stresses below which there is no angle
 
 
@@ -78,10 +79,14 @@ class Curve:
     stopped: str = ""
 
     def columns(self) -> dict[str, Array]:
-        """Return the columns of its table, (n,) each; q is axial less radial stress, the pore pressure an excess."""
+        """Return the columns of its table, (n,) each; q is axial less radial stress, the pore pressure an excess.
+
+        A law in total stress has neither pore pressure nor mobilised angle: they are NaN.
+        """
         strain, stress, kind = 0.0 - self.strain, 0.0 - self.stress, self.kind
         axial, radial = stress[:, 2], 0.5 * (stress[:, 0] + stress[:, 1])
         held = stress[:, kind.held[0]] if kind.held and self.drainage == "undrained" else np.zeros(len(axial))
+        known = np.nan if self.drainage == TOTAL else 1.0  # effective stress is
         least, _, most = np.linalg.eigvalsh(stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]).T
         some = most + least > LEAST_SHARE * self.consolidation  # next to no stress has no angle
         sine = np.clip((most - least) / np.where(some, most + least, np.nan), 0.0, 1.0)
@@ -89,7 +94,7 @@ class Curve:
             "axial_strain": strain[:, 2], "volumetric_strain": strain[:, :3].sum(axis=1),
             "shear_strain": self.strain[:, 5], "p_Pa": stress[:, :3].mean(axis=1), "q_Pa": axial - radial,
             "axial_stress_Pa": axial, "radial_stress_Pa": radial, "shear_stress_Pa": self.stress[:, 5],
-            "pore_pressure_Pa": held[0] - held, "mobilised_angle_rad": np.arcsin(sine),
+            "pore_pressure_Pa": known * (held[0] - held), "mobilised_angle_rad": known * np.arcsin(sine),
         }  # fmt: skip
 
 
@@ -109,6 +114,11 @@ def specimen(
     return replace(stratum, above=stress, values=values | dict(changed or {}))
 
 
+def drainage_of(stratum: Stratum, undrained: bool) -> str:
+    """Return how the specimen of a layer drains: `TOTAL` of a law in total stress, whatever is asked for."""
+    return TOTAL if stratum.total_stress else "undrained" if undrained else "drained"
+
+
 def element_test(stratum: Stratum, kind: Kind, depth: float, undrained: bool, end: float | None = None) -> Curve:
     """Drive one point of a specimen (see `specimen`) from its consolidation stress to the end of a test.
 
@@ -117,7 +127,7 @@ def element_test(stratum: Stratum, kind: Kind, depth: float, undrained: bool, en
     material = material_at(stratum, np.array([[depth]]))
     lateral = float(stratum.value("K0", np.array(depth)))
     start = -stratum.above * np.array([lateral, lateral, 1.0, 0.0, 0.0, 0.0])
-    drainage = "total stress" if stratum.total_stress else "undrained" if undrained else "drained"
+    drainage = drainage_of(stratum, undrained)
     direction = kind.undrained if drainage == "undrained" else kind.drained
     held = () if drainage == "undrained" else kind.held
     strains = schedule(kind.end if end is None else end)

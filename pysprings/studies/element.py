@@ -23,7 +23,7 @@ from pysprings.core.tables import Column, Table, one_table
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import read, si_of
 from pysprings.core.words import ElementTest
-from pysprings.model.element import KINDS, Curve, element_test, specimen
+from pysprings.model.element import KINDS, TOTAL, Curve, drainage_of, element_test, specimen
 from pysprings.results.plots.files import redraw
 from pysprings.results.plots.style import BLUE, GREEN, KPA, ORANGE, PURPLE, VERMILLION, new_figure, plain, styled
 from pysprings.scene.by_depth import ByDepth
@@ -135,17 +135,17 @@ def _check(table: Table, rows: NDArray[np.intp], test: LabTest, kind: ElementTes
         table.fault(int(rows[k]), name, text)
 
 
-def residuals(test: LabTest, curve: Curve | None, kind: ElementTest, undrained: bool) -> list[Array]:
+def residuals(test: LabTest, curve: Curve | None, kind: ElementTest, drainage: str) -> list[Array]:
     """Return computed less measured values, an array (n,) a column, each over the column's largest and sqrt(n).
 
-    Of volumetric strain at least 1 % counts as the largest, of an undrained test the pore pressure in its place. A
-    curve that ends early, or is None, is 100 % away from the values beyond.
+    Of volumetric strain at least 1 % counts as the largest, of an undrained test the pore pressure in its place, of
+    a law in total stress the first column of `MEASURED` alone. A curve that ends early, or is None, is 100 % away from the values beyond.
     """
     strain, measured = MEASURED[kind]
     columns = {} if curve is None else curve.columns()
-    at, left_out = np.abs(test.columns[strain]), "volumetric_strain" if undrained else "pore_pressure_Pa"
-    out = []
-    for name in (each for each in measured if each in test.columns and each != left_out):
+    at, left_out = np.abs(test.columns[strain]), "volumetric_strain" if drainage == "undrained" else "pore_pressure_Pa"
+    counted, out = measured[:1] if drainage == TOTAL else measured, []
+    for name in (each for each in counted if each in test.columns and each != left_out):
         good = np.isfinite(test.columns[name])
         value, least = test.columns[name][good], 0.01 if name == "volumetric_strain" else 1.0
         scale = max(float(np.abs(value).max(initial=0.0)), least)
@@ -289,7 +289,7 @@ def _misfit(
         point = specimen(stratum, KINDS[kind], test.stress, depth, changed)
         last = float(np.abs(test.columns[MEASURED[kind][0]]).max())
         curve = None if refused(point, depth) else element_test(point, KINDS[kind], depth, undrained, last)
-        parts += residuals(test, curve, kind, undrained)
+        parts += residuals(test, curve, kind, drainage_of(stratum, undrained))
     return np.concatenate(parts) / np.sqrt(len(parts))
 
 
@@ -390,9 +390,10 @@ class Outcome:
             row |= {"peak": columns[measured[0]][at], "at": columns[strain][at], "end": columns[measured[0]][-1]}
             if not request.stratum.total_stress:
                 row |= {"angle": np.degrees(np.nanmax(columns["mobilised_angle_rad"]))}
-            row |= {"volume": columns["volumetric_strain"][-1], "pressure": columns["pore_pressure_Pa"][-1]}
+                row |= {"pressure": columns["pore_pressure_Pa"][-1]}
+            row |= {"volume": columns["volumetric_strain"][-1]}
             if request.tests:
-                parts = residuals(request.tests[k], curve, request.kind, request.undrained)
+                parts = residuals(request.tests[k], curve, request.kind, curve.drainage)
                 row["away"] = float(np.sqrt(np.mean([each @ each for each in parts])))
             out.append({key: float(value) if isinstance(value, np.floating) else value for key, value in row.items()})
         return out

@@ -47,7 +47,7 @@ _COLUMNS = (
     Column("gamma_cy", "1", ("gamma cy", "cyclic shear strain"), percent=0.01),
 )  # fmt: skip
 _INTERVALS = ("[1, 1e9]", "[0, 2]", "[0, 5]", "[0, 1]", "[0, 1]")
-_PARCELS = (Column("N", "1", ("number of cycles", "cycles")), Column("share", "1", ("load/largest",), percent=0.01))
+_PARCELS = (Column("N", "1", ("number of cycles", "cycles")), Column("load/largest", "1", ("share",), percent=0.01))
 _OF_PARCELS = ("(0, 1e9]", "(0, 1]")
 _KEYS: dict[str, Field] = {
     "average": Number("[0, 2]", "tau_a/su", 0.0), "name": Text("name of the table"),
@@ -181,8 +181,9 @@ def _curve(rows: Array) -> tuple[Array, Array]:
     where = f"N {rows[0, 0]:g}, tau_a/su {rows[0, 1]:g}"
     if len(strain) < 2 or strain[0] <= 0.0:
         raise ValueError(f"the curve of {where} needs two rows at least, with strains above 0")
-    if (np.diff(strain) <= 0.0).any() or (np.diff(stress) < 0.0).any():
-        raise ValueError(f"the curve of {where} has one stress for each strain, which does not fall")
+    if (wrong := (np.diff(strain) <= 0.0) | (np.diff(stress) < 0.0)).any():
+        at = 100.0 * strain[1:][wrong][0]
+        raise ValueError(f"the curve of {where} has a stress that falls, or two of one strain, at {at:.3g} %")
     return strain, stress
 
 

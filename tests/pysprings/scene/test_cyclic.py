@@ -207,6 +207,9 @@ def test_parcels_that_leave_the_contours_are_refused(tmp_path) -> None:
     (tmp_path / "storm.csv").write_text("N,load/largest\n5,1.5\n")
     with pytest.raises(UserInputError, match=r"storm.csv:2: load/largest: 1.5 is not in \(0, 1\]"):
         scene(tmp_path, ("cycles = 10", STORM), MINER)
+    (tmp_path / "storm.csv").write_text("N\n5\n")
+    with pytest.raises(UserInputError, match=r"storm.csv:1: no column 'load/largest': parcels have N, load/largest"):
+        scene(tmp_path, ("cycles = 10", STORM), MINER)
     with pytest.raises(UserInputError, match="or parcels and utilisation for cycles"):
         scene(tmp_path, ("cycles = 10", "cycles = 10, utilisation = 0.5"), MINER)
 
@@ -242,7 +245,7 @@ def test_check_prints_the_backbone(tmp_path) -> None:
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,,2\n", "drammen.csv:3: tau_cy/su: nan is not in [0, 5]"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n0,0.6,2\n", "drammen.csv:3: N: 0 is not in [1, 1e9]"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n", "the curve of N 10, tau_a/su 0 needs two rows at least"),
-        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.4,3\n", "which does not fall"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.4,3\n", "falls, or two of one strain, at 3 %"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.52,2\n10,0.9,3\n", "bends upwards at a strain of 2 %"),
         (("ratio = 600", "ratio = 100"), None, "is stiffer than G: G/su must be more than 120.6, not 100"),
         (('"iwan-clay"', '"tresca"'), None, 'soil.cyclic: is not used by law "tresca"'),

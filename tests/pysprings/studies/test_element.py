@@ -37,6 +37,7 @@ effective_unit_weight = "8 kN/m^3"
 adhesion_factor = 0.65
 """
 
+MEASURED_BY = {"triaxial": ("axial_strain", "q_Pa"), "dss": ("shear_strain", "shear_stress_Pa")}
 HEAD = "stress [kPa],axial strain [%],q [kPa]\n"
 ROWS = "100,0,0\n100,0.5,120\n100,1,200\n100,2,290\n100,5,340\n"
 
@@ -209,5 +210,22 @@ def test_a_curve_that_ends_early_is_away_from_the_data_beyond(scene: Path) -> No
     sand = load_scene(scene).ground.strata[0]
     curve = run(Request(sand, "triaxial", 3.0, stresses=(100e3,), strain=0.05)).curves[0]
     columns = {"axial_strain": np.array([0.0, 0.04, 0.1]), "q_Pa": np.full(3, 1e5)}
-    (away,) = residuals(LabTest("a", 100e3, columns), curve, "triaxial", False)
+    (away,) = residuals(LabTest("a", 100e3, columns), curve, "triaxial", "drained")
     assert abs(away[2]) == pytest.approx(1.0 / np.sqrt(3.0))
+
+
+@pytest.mark.parametrize(("test", "more"), [("triaxial", "u [kPa]"), ("dss", "vertical effective stress [kPa]")])
+@pytest.mark.parametrize("drainage", ["drained", "undrained"])
+def test_a_law_in_total_stress_has_no_pore_pressure_and_is_not_judged_by_one(
+    scene: Path, tmp_path: Path, test: str, more: str, drainage: str
+) -> None:
+    run = ("element", str(scene), "--layer", "clay", "--test", test, "--drainage", drainage, "--out", str(tmp_path))
+    strain, stress = ("shear strain [%]", "tau [kPa]") if test == "dss" else ("axial strain [%]", "q [kPa]")
+    text = f"stress [kPa],{strain},{stress},{more},volumetric strain [%]\n"
+    (tmp_path / "lab.csv").write_text(text + "100,0,0,0,0\n100,1,70,40,2\n100,5,80,60,4\n")
+    (row,) = json.loads(command(*run, "--no-figures", "--json", "--data", str(tmp_path / "lab.csv")).out)["tests"]
+    frame = pd.read_csv(tmp_path / "element.csv")
+    assert "pressure" not in row and frame[["pore_pressure_Pa", "mobilised_angle_rad"]].isna().all(axis=None)
+    found = np.interp([0.0, 0.01, 0.05], *(frame[each] for each in MEASURED_BY[test]))
+    away = (found / 1e3 - [0.0, 70.0, 80.0]) / 80.0
+    assert row["away"] == pytest.approx(np.sqrt(np.mean(away**2)), rel=1e-6)
