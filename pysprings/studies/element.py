@@ -138,8 +138,9 @@ def _check(table: Table, rows: NDArray[np.intp], test: LabTest, kind: ElementTes
 def residuals(test: LabTest, curve: Curve | None, kind: ElementTest, drainage: str) -> list[Array]:
     """Return computed less measured values, an array (n,) a column, each over the column's largest and sqrt(n).
 
-    Of volumetric strain at least 1 % counts as the largest, of an undrained test the pore pressure in its place, of
-    a law in total stress the first column of `MEASURED` alone. A curve that ends early, or is None, is 100 % away from the values beyond.
+    Of volumetric strain at least 1 % counts as the largest, of an undrained test the pore pressure in its place, of a
+    law in total stress the first column of `MEASURED` alone. A curve that ends early, or is None, is 100 % away from
+    the values beyond.
     """
     strain, measured = MEASURED[kind]
     columns = {} if curve is None else curve.columns()
