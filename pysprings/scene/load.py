@@ -11,13 +11,15 @@ from pathlib import Path as FilePath
 from stat import S_ISREG
 from typing import Any, NoReturn, Self
 
+import numpy as np
 from pydantic import ValidationError
 
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
+from pysprings.core.words import ESTIMATES
 from pysprings.scene import sections
-from pysprings.scene.by_depth import disordered, incomplete, picked, ranges_in, take_estimate
+from pysprings.scene.by_depth import STRONGER, WEAKER, ByDepth, disordered, incomplete, picked, ranges_in, take_estimate
 from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design, take_cases
@@ -124,6 +126,8 @@ class SceneText:
             except ValidationError as error:
                 found = _faults_of_values(error) if in_tables else _all_faults(values, error)
                 faults |= {fault: estimate for fault in found if fault not in faults}
+        if len(scenes) == len(ESTIMATES) and not faults:
+            faults = dict.fromkeys(_crossed(data, dict(zip(estimates, scenes, strict=True))), "")
         if faults:
             problems = [
                 _problem(fault, self._places, self.file, changed, "" if estimate in ("", estimates[0]) else estimate)
@@ -140,6 +144,28 @@ class SceneText:
         if not (self._profile or from_files or changed or scene.design.cases):
             scene._source = (self.text, scene.sha256)
         return scene
+
+
+def _crossed(data: dict[str, Any], scenes: dict[str, Scene]) -> Iterator[Fault]:
+    """Yield the ranges by depth that are in order at the top of a layer (see `disordered`), but not at its bottom.
+
+    ``scenes`` are by estimate. Values by stress have their order from their reference alone.
+    """
+    strata = [[each for each in scenes[name].ground.strata if not each.like] for name in ESTIMATES]
+    for keys, _ in ranges_in(data):
+        key = next((str(each) for each in reversed(keys) if each in (*WEAKER, *STRONGER)), "")
+        for k, layers in enumerate(zip(*strata, strict=False)):
+            values = [each.values.get(key) for each in layers]
+            depths = [each for each in values if isinstance(each, ByDepth)]
+            other = keys[1:2] == ("layer",) and keys[2] != k
+            if other or None in values or not depths or any(each.reference_stress is not None for each in depths):
+                continue
+            end = min(each.bottom for each in layers)
+            found = [float(each.value(key, np.array(end))) for each in layers]
+            if found != sorted(found, reverse=key in WEAKER):
+                shown = ", ".join(f"{each:g}" for each in found)
+                yield Fault((keys,), f"low, best and high cross in the layer: {shown} (SI) at {end:g} m below mudline")
+                break
 
 
 def _read_profile(

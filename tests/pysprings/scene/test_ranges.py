@@ -169,6 +169,34 @@ def test_a_range_by_depth_that_is_the_wrong_way_round_is_refused() -> None:
         parse_scene(SCENE + LAYER.replace('top = "20', 'top = "200').replace('best = "40', 'best = "140'), "a.toml")
 
 
+@pytest.mark.parametrize(
+    ("high", "words"),
+    [('"30 kPa"', "cross in the layer: 40000, 50000, 30000 "), ('{ top = "12 kPa", gradient = "2.1 kPa/m" }', "")],
+)
+def test_estimates_that_cross_below_the_top_of_a_layer_are_refused(high, words) -> None:
+    """su of 8 + 1.6 z, 10 + 2 z and 30 kPa changes its order at 10 and 13.75 m, in a domain of 20 m."""
+    text = f"""
+[soil]
+yield_surface = "tresca"
+rigidity_ratio = 300
+effective_unit_weight = "8 kN/m^3"
+[soil.undrained_shear_strength]
+low = {{ top = "8 kPa", gradient = "1.6 kPa/m" }}
+best = {{ top = "10 kPa", gradient = "2 kPa/m" }}
+high = {high}
+[domain]
+radius = "40 m"
+depth = "20 m"
+[interface]
+adhesion_factor = 0.65
+"""
+    if not words:
+        assert parse_scene(text).ground.strata[0].values["undrained_shear_strength"].gradient == 2e3
+        return
+    with pytest.raises(UserInputError, match=words):
+        parse_scene(text)
+
+
 def test_ranges_of_a_table_that_are_the_wrong_way_round_are_refused_with_their_line(tmp_path) -> None:
     head = "Depth from [m],Depth to [m],Effective unit weight [kN/m3],su [kPa],G [MPa],eps50 low [%],eps50 best [%],"
     (tmp_path / "a.csv").write_text(f"{head}eps50 high [%]\n0,9,8,20,6,0.5,1,2\n")
