@@ -15,6 +15,7 @@ from pysprings.scene.by_depth import SURFACES, BySurface, Profile
 from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.soils.clay import ReductionTable
+from pysprings.scene.soils.cyclic import CyclicTable
 from pysprings.scene.template import template_text
 from pysprings.scene.toml import field_of
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops
@@ -179,6 +180,9 @@ def _value(draw: st.DrawFn, field: Field) -> Any:
         return draw(_by_depth(field.quantity))
     if isinstance(field, ReductionTable):
         return draw(st.lists(st.tuples(_number("[1e-6, 0.1]"), _number("[0.01, 1]")).map(list), min_size=1, max_size=3))
+    if isinstance(field, CyclicTable):
+        rows = st.lists(st.lists(_number("[0, 100]"), min_size=5, max_size=5), min_size=1, max_size=3)
+        return draw(st.fixed_dictionaries({"contours": rows, "cycles": _number("[1, 1e4]")}))
     if isinstance(field, QuantityList):
         return [f"{draw(_number(each.interval))!r} {each.unit}" for _, each in field.quantities]
     assert isinstance(field, Quantity)

@@ -117,7 +117,7 @@ class Rule:
     def of(cls, order: int) -> Rule:
         """The rule of polynomials of an order of 1 or more."""
         inner = legendre.legroots(legendre.legder(np.eye(order + 1)[order]))
-        nodes = np.concatenate(([-1.0], np.sort(inner), [1.0]))
+        nodes = np.concatenate(([-1.0], np.sort(inner.real), [1.0]))
         points, weights = legendre.leggauss(order + 1)
         series = np.linalg.inv(legendre.legvander(nodes, order))
         shapes = [legendre.legval(points, series).T, legendre.legval(points, legendre.legder(series)).T]
