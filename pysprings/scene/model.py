@@ -14,6 +14,7 @@ from pysprings.scene.checks import clashes, dotted
 from pysprings.scene.fields import refuse
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import Limit
+from pysprings.scene.soils.cyclic import CYCLIC
 from pysprings.scene.toml import to_toml
 
 # keys of paths that leave a plane
@@ -138,7 +139,9 @@ def caisson_text(scene: SceneSections, vertical_load: float | None = None) -> st
 def ground_text(scene: SceneSections) -> str:
     """Return the layers with their laws, and the drainage."""
     layers = [each for each in scene.ground.strata if not each.like]
-    names = ", ".join(f"{each.name} ({each.law}) from {each.top:g} m" for each in layers[:MOST_LAYERS])
+    laws = [", ".join((each.law, *(own.text for own in (each.tables.get(CYCLIC),) if own))) for each in layers]
+    shown = list(zip(layers, laws, strict=True))[:MOST_LAYERS]
+    names = ", ".join(f"{each.name} ({law}) from {each.top:g} m" for each, law in shown)
     more = f" and {len(layers) - MOST_LAYERS} more layers" if len(layers) > MOST_LAYERS else ""
     return f"{names}{more}; {scene.layer_drainage}"
 

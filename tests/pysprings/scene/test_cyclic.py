@@ -9,7 +9,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.model.element import KINDS, element_test, specimen
 from pysprings.scene.load import load_scene, parse_scene
-from pysprings.scene.model import Scene
+from pysprings.scene.model import Scene, ground_text
 from pysprings.springs.path import paths_of
 from tests.support import tiny
 from tests.support.commands import command
@@ -126,6 +126,7 @@ def test_a_scene_holds_its_contours_and_names_them(tmp_path) -> None:
     """Its text needs no file, and another number of cycles changes backbone and title."""
     given = scene(tmp_path)
     assert given.title == "Storm (cyclic: drammen.csv, N 10, tau_a/su 0)"
+    assert "(iwan-clay, cyclic: drammen.csv, N 10, tau_a/su 0) from 0 m" in ground_text(given)
     (tmp_path / "drammen.csv").unlink()
     assert parse_scene(given.source_text) == given
     other = parse_scene(given.source_text, changes=["soil.cyclic.cycles=100"])
