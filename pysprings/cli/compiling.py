@@ -58,7 +58,7 @@ def compiled(scene: Scene, quiet: bool = False, jobs: int = 1) -> float:
         found.append(0.0)
 
     def done(_: Task, seconds: Any) -> None:
-        if isinstance(seconds, float):  # an error: a run of the scene itself says what is wrong
+        if isinstance(seconds, float):  # an error: a run of the scene itself shows what is wrong
             found.append(seconds)
 
     mark = jit.mark_of(_kind(scene))

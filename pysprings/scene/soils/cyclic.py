@@ -289,7 +289,8 @@ def read_rows(file: Path, kind: str) -> list[list[float]]:
         values = table.numbers(column.name, most=False) if column.name in table else np.zeros(len(table))
         for k in range(len(table)):
             if not Interval(interval).holds(float(values[k])):
-                table.fault(k, column.name, f"{values[k]:g} is not in {interval}")
+                text = "is blank" if np.isnan(values[k]) else f"{values[k]:g} is not in {interval}"
+                table.fault(k, column.name, text)
         found.append(values)
     table.faults.stop()
     if not len(table):

@@ -243,7 +243,7 @@ def test_check_prints_the_backbone(tmp_path) -> None:
         (("drammen.csv", "none.csv"), None, "none.csv: no such file"),
         (("", ""), "N,tau_cy/su,gamma_cy\n1,0.5,0.5\n1,0.6,1\n", "drammen.csv:1: gamma_cy: has no unit: write"),
         (("", ""), "N,tau_cy/su\n1,0.5\n", "drammen.csv:1: no column 'gamma_cy'"),
-        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,,2\n", "drammen.csv:3: tau_cy/su: nan is not in [0, 5]"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,,2\n", "drammen.csv:3: tau_cy/su: is blank"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n0,0.6,2\n", "drammen.csv:3: N: 0 is not in [1, 1e9]"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n", "the curve of N 10, tau_a/su 0 needs two rows at least"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.4,3\n", "falls, or two of one strain, at 3 %"),
