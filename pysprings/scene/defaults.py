@@ -70,12 +70,8 @@ def remarks(scene: SceneSections) -> list[str]:
     """Return a sentence on values beyond their common range, what the ground is made to be, and paths off a plane."""
     beyond = [path.name for path in scene.paths if path.in_space]
     off_plane = [f"off a plane, reactions of one mesh, not extrapolated: {', '.join(beyond)}"]
-    of_ground = [
-        *moved_layers(scene.soil, scene.extent),
-        *_without_strength(scene),
-        *_unknown(scene),
-        *implausible(scene),
-    ]
+    of_ground = [*moved_layers(scene.soil, scene.extent), *_without_strength(scene), *_unknown(scene)]
+    of_ground += implausible(scene)
     return of_ground + (off_plane if beyond else [])
 
 

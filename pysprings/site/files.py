@@ -34,20 +34,10 @@ from pysprings.scene.profile_table import (
 from pysprings.scene.sections import BY_LAYER
 from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.formats import ags_layers, ags_points, ags_soundings, read_ags, read_bro, read_gef, refused
-from pysprings.site.sounding import Sounding, are_elevations, sounding, usable
+from pysprings.site.sounding import ANOTHER_LEVEL, Sounding, are_elevations, sounding, usable
 
-_DEPTHS = (
-    "depth",
-    "z",
-    *NAMES["depth"],
-    "penetration length",
-    "sondeerlengte",
-    "diepte",
-    "tiefe",
-    "dybde",
-    "profondeur",
-    "scpt dpth",
-)
+_DEPTHS = ("depth", "z", *NAMES["depth"], "penetration length", "sondeerlengte", "diepte", "tiefe", "dybde",
+           "profondeur", "scpt dpth")  # fmt: skip
 _CONE = ("qc", "q c", "cone resistance", "cone resistance qc", "tip resistance", "cone tip resistance",
          "conusweerstand", "conuswaarde", "conuswaarden", "puntdruk", "spitzendruck", "scpt res")  # fmt: skip
 _TOTAL_CONE = ("qt", "q t", "corrected cone resistance", "corrected cone resistance qt",
@@ -240,7 +230,7 @@ def _points(path: Path, sheets: list[Sheet]) -> Points:
         raise refused(path, message, table.head_line)
     good = np.isfinite(depth) & (depth >= 0.0)
     if are_elevations(known := depth[np.isfinite(depth)]) and known.max() > 0.0:
-        text = f"depths fall from {known[0]:g} to {known[-1]:g} m: elevations? points count from mudline, 0 m, down"
+        text = f"depths fall from {known[0]:g} to {known[-1]:g} m: {ANOTHER_LEVEL}"
         raise refused(path, text, table.head_line)
     if not good.any():
         raise refused(path, "no row has a depth below mudline, 0 or more", table.head_line)

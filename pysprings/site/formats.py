@@ -22,7 +22,7 @@ from pysprings.core.text import one_line
 from pysprings.core.units import quoted
 from pysprings.scene.defaults import wrong_value
 from pysprings.scene.profile_table import WATER
-from pysprings.site.sounding import Sounding, sounding, usable
+from pysprings.site.sounding import ANOTHER_LEVEL, Sounding, sounding, usable
 
 MOST_NAMED, MOST_PLACES = 200, 5  # characters of a description; locations that are named
 _DEPTHS = re.compile(r"^[\d.]+ ?m to [\d.]+ ?m[ :-]*")  # before it
@@ -112,7 +112,7 @@ def _refuse_levels(path: Path, depth: Array, length: Array) -> None:
     first, rods = float(depth[known[0]]), float(length[known[0]])
     if abs(down * first - abs(rods)) > MOST_OFF:
         text = f"the corrected depth is {first:g} m where the length of the rods is {rods:g} m"
-        raise refused(path, f"{text}: elevations of another level? a CPT counts from mudline, 0 m, down")
+        raise refused(path, f"{text}: {ANOTHER_LEVEL}")
 
 
 def _numbered(head: Sequence[tuple[int, str, list[str]]], key: str) -> dict[int, str]:

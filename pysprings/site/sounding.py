@@ -39,6 +39,7 @@ _SIZES = {
 SUBMERGED = 2.0  # m, of the first row below mudline, or below what was drilled, where depths are negative
 ABOVE = 0.5  # m, of the first row above mudline, where depths are negative
 MANY = 0.1  # share of rows with a u_2 of 0 that is remarked on
+ANOTHER_LEVEL = "elevations of another level? depths count from mudline, 0 m, down"
 FALLING = 0.9  # share of rows that fall where depths are elevations
 OF_WATER = 50.0e3  # Pa, of u_2 above the hydrostatic pressure below mudline, where it counts from the sea
 OF_SAND = (5.0e6, 0.01)  # q_c and R_f of sand, where u_2 is the pressure of the water at rest, or less
@@ -81,13 +82,9 @@ class Sounding:
 
 
 def sounding(
-    place: str,
-    name: str,
-    given: Mapping[str, Array],
-    area_ratio: float | None = None,
-    drilled: float = 0.0,
+    place: str, name: str, given: Mapping[str, Array], area_ratio: float | None = None, drilled: float = 0.0,
     remarks: Sequence[str] = (),
-) -> Sounding:
+) -> Sounding:  # fmt: skip
     """Return the test of channels in SI, by `CHANNELS`; NaN where there is no value.
 
     Depths that fall from row to row are elevations below mudline, as older files have them. Rows without depth or cone
@@ -248,7 +245,7 @@ def are_elevations(depth: Array) -> bool:
 
 
 def _elevations(depth: Array) -> str:
-    return f"begin at {depth.max():g} m: elevations of another level? a CPT counts from mudline, 0 m, down"
+    return f"begin at {depth.max():g} m: {ANOTHER_LEVEL}"
 
 
 def _order(place: str, name: str, depth: Array) -> list[str]:
