@@ -197,6 +197,28 @@ adhesion_factor = 0.65
         parse_scene(text)
 
 
+@pytest.mark.parametrize(("bottom", "crosses"), [(0.006, False), (0.002, True)])
+def test_of_strains_the_low_estimate_is_the_largest_all_the_way_down(bottom: float, crosses: bool) -> None:
+    text = f"""
+[soil]
+yield_surface = "iwan-clay"
+rigidity_ratio = 300
+undrained_shear_strength = "40 kPa"
+effective_unit_weight = "8 kN/m^3"
+strain_at_half_strength = {{ low = 0.012, best = {{ top = 0.008, bottom = {bottom} }}, high = 0.003 }}
+[domain]
+radius = "40 m"
+depth = "20 m"
+[interface]
+adhesion_factor = 0.65
+"""
+    if crosses:
+        with pytest.raises(UserInputError, match=r"strain_at_half_strength: .*cross in the layer: 0.012, 0.002, 0.003 "):
+            parse_scene(text)
+    else:
+        assert parse_scene(text).ground.strata[0].values["strain_at_half_strength"].bottom == bottom
+
+
 def test_ranges_of_a_table_that_are_the_wrong_way_round_are_refused_with_their_line(tmp_path) -> None:
     head = "Depth from [m],Depth to [m],Effective unit weight [kN/m3],su [kPa],G [MPa],eps50 low [%],eps50 best [%],"
     (tmp_path / "a.csv").write_text(f"{head}eps50 high [%]\n0,9,8,20,6,0.5,1,2\n")
