@@ -213,7 +213,7 @@ depth = "20 m"
 adhesion_factor = 0.65
 """
     if crosses:
-        with pytest.raises(UserInputError, match="strength: .*cross in the layer: 0.012, 0.002, 0.003 "):
+        with pytest.raises(UserInputError, match=r"strength: .*cross in the layer: 0.012, 0.002, 0.003 "):
             parse_scene(text)
     else:
         assert parse_scene(text).ground.strata[0].values["strain_at_half_strength"].bottom == bottom
