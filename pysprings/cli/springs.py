@@ -78,14 +78,14 @@ def export(
     ] = None,
 ) -> None:
     """Write files for other programs, a folder for each estimate. ParaView files need \\[output] paraview = true."""
-    from pysprings.results.estimates import folders_of
+    from pysprings.results.estimates import all_folders_of
 
     exporter = EXPORTERS.find(to, "--to") if to else _refuse_no_target()
     options = _export_options(option or [])
     exporters.read_options(exporter, options)
     if out is not None:
         refuse_no_folder(out)
-    for name, each in (folders_of(result) or {"": result}).items():
+    for name, each in (all_folders_of(result) or {"": result}).items():
         _export_one(each, exporter, options, out / name if out and name else out)
 
 

@@ -37,6 +37,7 @@ def record_of(work: Work, loaded: Loaded) -> RunRecord:
         platform=platform.platform(),
         environment=environment_of(work.newton.solver.backend),
         scene_sha256=work.scene.sha256,
+        ranges_sha256=work.scene.ranges_sha256,
         scene_toml=work.scene.to_toml(),
         mesh=_mesh(work),
         solver=_solver(work),

@@ -248,6 +248,7 @@ class RunRecord(_Part):
     schema : of the full-model result.
     resumed : time and place of each continuation.
     environment : versions of the libraries and numbers of threads.
+    ranges_sha256 : that which the runs of all estimates of a scene share; None of a scene without ranges.
     left_out : what the scene leaves out, and why.
     defaulted, remarks : values that the scene does not give, and what is unlikely in it (`pysprings.scene.defaults`).
     phases : wall and CPU seconds by phase; wall_s and cpu_s are their sums.
@@ -269,6 +270,7 @@ class RunRecord(_Part):
     platform: str = ""
     environment: dict[str, str] = field(default_factory=dict)
     scene_sha256: str = ""
+    ranges_sha256: str | None = field(default=None, metadata=OPTIONAL)
     scene_toml: str = ""
     mesh: MeshFigures = field(default_factory=MeshFigures)
     solver: SolverFigures = field(default_factory=SolverFigures)

@@ -18,6 +18,7 @@ from pysprings.core.path_kinds import kind_of
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
 from pysprings.core.words import ESTIMATES
+from pysprings.full_model.run_record import RunRecord
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import FIGURES
 from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, farthest, growing, in_words, moved
@@ -26,8 +27,6 @@ from pysprings.springs.tip_zone import on_slices, tip_zone
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from pysprings.full_model.run_record import RunRecord
 
     Paths = Mapping[str, Mapping[str, xr.Dataset]]  # by name of the path, and by estimate
 
@@ -45,14 +44,18 @@ def folders_of(folder: Path) -> dict[str, Path]:
 
 
 def all_folders_of(folder: Path) -> dict[str, Path]:
-    """Return the folders of runs by estimate as `folders_of` does; refuse those of which one has no springs.
+    """Return the folders of runs by estimate as `folders_of` does; refuse those that are not of one scene.
 
-    Raises UserInputError: the largest over the estimates is not known without it.
+    Raises UserInputError: one has no springs, or ran with other values: the largest over the estimates is not known.
     """
     found = folders_of(folder)
     lost = [name for name in ESTIMATES if found and name not in found and (folder / name).is_dir()]
     if lost:
         raise refused(None, f"estimate {', '.join(lost)} has no springs.nc: its run has not ended", folder)
+    records = {name: record for name, place in found.items() if (record := RunRecord.read(place))}
+    if len({record.ranges_sha256 for record in records.values()}) > 1:
+        ran = ", ".join(f"{name} ran {record.started_utc or 'at a time not known'}" for name, record in records.items())
+        raise refused(None, f"the estimates are those of different scenes ({ran}): run all of one scene", folder)
     return found
 
 

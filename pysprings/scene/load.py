@@ -2,6 +2,7 @@
 """Scene files: TOML text -> `Scene`, or every problem at once with file, line, column and key."""
 
 import copy
+import hashlib
 import os
 import re
 import tomllib
@@ -140,10 +141,18 @@ class SceneText:
         scene = scenes[0]
         cyclic = [stratum.tables.get(CYCLIC) for stratum in scene.ground.strata]
         scene = scene.model_copy(update={"title": titled(scene.title, [each for each in cyclic if each])})
+        if len(scenes) > 1:
+            scene._of_ranges = _digest(scenes)
         # a scene of a profile, contours or load cases is written with their values: it needs no other file then
         if not (self._profile or from_files or changed or scene.design.cases):
             scene._source = (self.text, scene.sha256)
         return scene
+
+
+def _digest(scenes: Sequence[Scene]) -> str:
+    """Return the digest of estimates, whichever is chosen; titles, which name it, and what is written do not count."""
+    plain = [each.model_copy(update={"title": "", "output": sections.Output()}).sha256 for each in scenes]
+    return hashlib.sha256(" ".join(sorted(plain)).encode()).hexdigest()
 
 
 def _crossed(data: dict[str, Any], scenes: dict[str, Scene]) -> Iterator[Fault]:

@@ -25,6 +25,7 @@ class Scene(SceneSections):
     """Everything that decides a run: `pysprings.Scene(soil={"K0": 0.9})` changes one value."""
 
     _source: tuple[str, str] = PrivateAttr(("", ""))  # TOML text, and the sha256 of the scene that it gave
+    _of_ranges: str | None = PrivateAttr(None)  # digest of all estimates of the text; None of one without ranges
 
     @model_validator(mode="after")
     def _refuse_clashes(self) -> Self:
@@ -77,6 +78,11 @@ class Scene(SceneSections):
         return hashlib.sha256(canonical.encode()).hexdigest()
 
     @property
+    def ranges_sha256(self) -> str | None:
+        """SHA-256 (hex) that the estimates of one scene share, whatever mesh they run on; None without ranges."""
+        return self._of_ranges
+
+    @property
     def source_text(self) -> str:
         """The TOML text that the scene was read from; `to_toml()` for one made or changed in Python."""
         text, digest = self._source
@@ -97,7 +103,9 @@ class Scene(SceneSections):
         for name, change in sections.items():
             merge = isinstance(change, dict) and isinstance(data.get(name, None), dict)
             data[name] = {**data[name], **change} if merge else change
-        return self.model_validate(data)
+        changed = self.model_validate(data)
+        changed._of_ranges = self._of_ranges
+        return changed
 
     def _repr_html_(self) -> str:
         """Show the scene in a notebook."""

@@ -133,6 +133,20 @@ def test_load_cases_show_the_largest_over_the_estimates(ran: tuple[Path, Result]
     assert f"estimate {NAMES[-1]} has no springs.nc" in command("design", tmp_path / "stopped", cases, *options).err
 
 
+def test_estimates_of_different_scenes_are_refused(ran: tuple[Path, Result], tmp_path: Path) -> None:
+    """--force of one of three leaves two of the scene as it was; what a run writes does not count."""
+    (tmp_path / "cases.csv").write_text("case,H [kN],arm [m]\na,20,0\n")
+    folder, options = tmp_path / "out", ("--estimate", "low", "--force", "--no-figures", "--no-estimate-error")
+    shutil.copytree(ran[0], folder)
+    for before, after, code in (("# section = true", "section = false", 0), ("150 MPa", "160 MPa", 2)):
+        assert before in text()
+        (tmp_path / "a.toml").write_text(text().replace(before, after))
+        assert command("run", tmp_path / "a.toml", "--out", folder / "low", *options).code == 0
+        asked = command("design", folder, tmp_path / "cases.csv", "--springs", "py", "--extrapolate")
+        assert asked.code == code and ("those of different scenes (low ran 2" in asked.err) == bool(code), asked.err
+    assert command("export", folder, "--to", "csv", "--out", tmp_path / "files").code == 2
+
+
 def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
     """The largest utilisation is that of any estimate; the worst verdict counts."""
     common = {"name": "a", "w_m": 0.0, "tilt_used": 0.1, "utilisation_V": 0.2, "marks": ""}
