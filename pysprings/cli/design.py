@@ -134,7 +134,7 @@ def _print(table: pd.DataFrame, written: list[str]) -> None:
 def cases_of(result: Path) -> Path:
     """Return the table that the scene of a run names."""
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.estimates import all_folders_of
+    from pysprings.results.estimates import folders_of
     from pysprings.scene.load import parse_scene
 
     record = RunRecord.read(next(iter(folders_of(result).values()), result))
