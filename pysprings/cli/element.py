@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -28,7 +29,7 @@ from pysprings.core.words import ElementTest
 if TYPE_CHECKING:
     from pysprings.scene.ground import Stratum
     from pysprings.scene.model import Scene
-    from pysprings.studies.element import Fit, LabTest, Outcome
+    from pysprings.studies.element import Fit, Fitted, LabTest, Outcome
 
 _ROWS = (
     Column("test", "test", words=True),
@@ -88,7 +89,7 @@ def element(
     from pysprings.studies.element import Request, run, write
 
     asked = _stresses(stress)
-    tests = _tests(data, test, asked)
+    tests = _tests(data, test, asked, strain)
     keys = _keys(fit, stratum, data)
     outcome = run(Request(stratum, test, at, drainage == "undrained", asked, strain, tests, keys))
     files = write(outcome, folder, formats)
@@ -137,14 +138,19 @@ def _stresses(given: list[str] | None) -> tuple[float, ...]:
     return tuple(found)
 
 
-def _tests(file: Path | None, kind: ElementTest, stresses: tuple[float, ...]) -> tuple[LabTest, ...]:
+def _tests(
+    file: Path | None, kind: ElementTest, stresses: tuple[float, ...], strain: float | None
+) -> tuple[LabTest, ...]:
     from pysprings.studies.element import read_tests
 
     if file is None:
         return ()
     if len(stresses) > 1:
         refuse("--stress", "--data gives the stress of each test: one at most, for a table without a column of it")
-    return tuple(read_tests(file, kind, stresses[0] if stresses else None))
+    tests = tuple(read_tests(file, kind, stresses[0] if stresses else None))
+    if strain is not None and strain < (last := max(each.last_strain(kind) for each in tests)):
+        refuse("--strain", f"{strain:g} is less than the last strain of --data, {last:g}: rows beyond it have no curve")
+    return tests
 
 
 def _keys(text: str | None, stratum: Stratum, data: Path | None) -> tuple[str, ...]:
@@ -181,14 +187,23 @@ def _print(outcome: Outcome) -> None:
         return
     if fit.after > FAR:
         print(f"\nthe law does not reach the data: more than {FAR:.0%} away with the best values of these keys")
-    rows = [vars(each) | {"note": "at its bound" * each.at_bound} for each in fit.keys]
+    rows = [vars(each) | {"note": _note(each)} for each in fit.keys]
     print(f"\nfit: {100.0 * fit.before:.3g} % away from the data before, {100.0 * fit.after:.3g} % after")
     print_table(Table.of(_KEYS, rows))
     if len(rows) > 1:
         print("\ncorrelation of the fitted keys:")
         names = [each.key for each in fit.keys]
-        cells = [[name, *(f"{each:.2f}" for each in line)] for name, line in zip(names, fit.correlation, strict=True)]
+        cells = [
+            [name, *("-" if math.isnan(each) else f"{each:.2f}" for each in line)]
+            for name, line in zip(names, fit.correlation, strict=True)
+        ]
         print_table(Table("", ("", *names), cells, left=(True, *[False] * len(names))))
+
+
+def _note(key: Fitted) -> str:
+    """Return what is wrong with a fitted value; blank for nothing."""
+    notes = ["at its bound"] * key.at_bound + ["these data do not determine it"] * math.isnan(key.error)
+    return ", ".join(notes)
 
 
 def _fit_json(fit: Fit | None) -> dict[str, Any] | None:

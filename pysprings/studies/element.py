@@ -67,6 +67,10 @@ class LabTest:
     stress: float
     columns: Mapping[str, Array]
 
+    def last_strain(self, kind: ElementTest) -> float:
+        """Return the size of the largest strain."""
+        return float(np.abs(self.columns[MEASURED[kind][0]]).max())
+
 
 def read_tests(file: Path, kind: ElementTest, stress: float | None) -> list[LabTest]:
     """Return the tests of a table: rows of one name, or of one consolidation stress, are one test.
@@ -121,9 +125,8 @@ def _check(table: Table, rows: NDArray[np.intp], test: LabTest, kind: ElementTes
         table.fault(int(rows[strain.argmax()]), name, text)
     if stress.min() < -0.1 * max(float(stress.max()), 0.0):
         sign = "negative in extension" if kind == "triaxial-extension" else "positive in compression"
-        text = (
-            f"{1e-3 * test.columns[first][stress.argmin()]:.4g} kPa: this stress is {sign}; leave what is missing blank"
-        )
+        value = f"{1e-3 * test.columns[first][stress.argmin()]:.4g} kPa"
+        text = f"{value}: this stress is {sign}; leave out rows without a value"
         table.fault(int(rows[stress.argmin()]), first, text)
     elif kind != "oedometer" and not 1.0 / MOST_STRESS < (share := stress.max() / test.stress) < MOST_STRESS:
         text = f"{1e-3 * stress.max():.4g} kPa is {share:.3g} times the consolidation stress: are the units right?"
@@ -162,11 +165,17 @@ def residuals(test: LabTest, curve: Curve | None, kind: ElementTest, drainage: s
 _SPAN = 1.0e3  # a key moves by this factor at most
 _STEP = 1.0e-3  # of finite differences: increments of a test follow the strains of its schedule
 _AT_BOUND = 1.0e-3
+_KNOWN = 1.0e-5  # least change of the residuals with a key, its logarithm or its unit: next to none is rounding
+_PART = 1.0e-2  # of a key in a combination of keys that changes nothing
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """A key with its value before and after in ``unit``, standard error, and whether it ended at a bound."""
+    """A key with its value before and after in ``unit``, standard error, and whether it ended at a bound.
+
+    error : NaN where the data do not determine the key.
+    at_bound : its range ends there, or the checks of the law refuse what is beyond.
+    """
 
     key: str
     unit: str
@@ -178,7 +187,10 @@ class Fitted:
 
 @dataclass(frozen=True)
 class Fit:
-    """Fitted keys; root mean square residuals before and after, of the largest measured value; correlations (n, n)."""
+    """Fitted keys; root mean square residuals before and after, of the largest measured value; correlations (n, n).
+
+    Correlations of keys that the data do not determine are NaN.
+    """
 
     keys: tuple[Fitted, ...]
     before: float
@@ -245,24 +257,41 @@ def fit(
     def numbers(c: Array) -> Array:
         return np.where(logs, np.exp(np.where(logs, c, 0.0)), (c - 1.0) * unit)
 
+    def changed_to(c: Array) -> dict[str, Any]:
+        return {key: _with(values[key], float(x)) for key, x in zip(keys, numbers(c), strict=True)}
+
     def misfit(c: Array) -> Array:
-        changed = {key: _with(values[key], float(x)) for key, x in zip(keys, numbers(c), strict=True)}
-        return _misfit(stratum, kind, depth, undrained, tests, changed)
+        return _misfit(stratum, kind, depth, undrained, tests, changed_to(c))
+
+    def is_beyond(c: Array) -> bool:
+        points = (specimen(stratum, KINDS[kind], test.stress, depth, changed_to(c)) for test in tests)
+        inside = (bounds[0] < c) & (c < bounds[1])
+        return not inside.all() or any(refused(point, depth) for point in points)
 
     first, bounds = misfit(coordinates(start)), (coordinates(low), coordinates(high))
     found = least_squares(misfit, coordinates(start), bounds=bounds, diff_step=_STEP, x_scale="jac")
-    after = numbers(found.x)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac) * (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1)
+    spread, correlation = _errors(found.jac, (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1))
+    span, after = bounds[1] - bounds[0], numbers(found.x)
+    steps = np.diag(_AT_BOUND * np.where(logs, span, np.fmin(span, 1.0)))
+    near = [is_beyond(found.x - step) or is_beyond(found.x + step) for step in steps]
+    error = spread * np.where(logs, after, unit)
+    fitted = tuple(_fitted(*each) for each in zip(keys, start, after, error, near, strict=True))
+    return Fit(fitted, float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation,
+               changed_to(found.x), found.status > 0)  # fmt: skip
+
+
+def _errors(jac: Array, variance: float) -> tuple[Array, Array]:
+    """Return standard errors (n,) and correlations (n, n) of coordinates; NaN of those that change no residual.
+
+    A combination of keys that changes none leaves all of them open.
+    """
+    _, sizes, turns = np.linalg.svd(jac, full_matrices=False)
+    known = sizes > _KNOWN
+    covariance = variance * (turns[known].T / sizes[known] ** 2) @ turns[known]
+    covariance[(np.abs(turns[~known]) > _PART).any(axis=0)] = np.nan
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
-        correlation = covariance / np.outer(spread, spread)
-    error = spread * np.where(logs, after, unit)
-    span = bounds[1] - bounds[0]
-    near = np.minimum(found.x - bounds[0], bounds[1] - found.x) <= _AT_BOUND * np.where(logs, span, np.fmin(span, 1.0))
-    fitted = tuple(_fitted(*each) for each in zip(keys, start, after, error, near, strict=True))
-    changed = {key: _with(values[key], float(x)) for key, x in zip(keys, after, strict=True)}
-    return Fit(fitted, float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation, changed,
-               found.status > 0)  # fmt: skip
+        return spread, covariance / np.outer(spread, spread)
 
 
 def _unit_of(key: str) -> tuple[str, float]:
@@ -288,7 +317,7 @@ def _misfit(
     parts = []
     for test in tests:
         point = specimen(stratum, KINDS[kind], test.stress, depth, changed)
-        last = float(np.abs(test.columns[MEASURED[kind][0]]).max())
+        last = test.last_strain(kind)
         curve = None if refused(point, depth) else element_test(point, KINDS[kind], depth, undrained, last)
         parts += residuals(test, curve, kind, drainage_of(stratum, undrained))
     return np.concatenate(parts) / np.sqrt(len(parts))
@@ -410,7 +439,10 @@ class Outcome:
 
 
 def run(request: Request) -> Outcome:
-    """Fit keys where any are asked for, and run the tests with what was fitted."""
+    """Fit keys where any are asked for, and run the tests with what was fitted.
+
+    Raises UserInputError: a consolidation stress is outside the law's strength, or its initial yield surface.
+    """
     kind, fitted = KINDS[request.kind], None
     if request.keys:
         fitted = fit(request.stratum, request.kind, request.depth, request.undrained, request.tests, request.keys)
@@ -418,6 +450,9 @@ def run(request: Request) -> Outcome:
     curves, names = [], []
     for stress, name, last in _asked(request):
         point = specimen(request.stratum, kind, stress, request.depth)
+        if wrong := refused(point, request.depth):
+            at = "; ".join([f"consolidated under {point.above / 1e3:.6g} kPa at K0", *wrong])
+            raise refused_argument("--data" if request.tests else "--stress", at)
         curves.append(element_test(point, kind, request.depth, request.undrained, last))
         names.append(name or f"{curves[-1].consolidation / 1e3:.6g} kPa")
     return Outcome(request, names, curves, fitted)
@@ -426,11 +461,7 @@ def run(request: Request) -> Outcome:
 def _asked(request: Request) -> list[tuple[float | None, str, float | None]]:
     """Return consolidation stress, name and last strain of each test."""
     if request.tests:
-        key = MEASURED[request.kind][0]
-        lasts = [float(np.abs(test.columns[key]).max()) for test in request.tests]
-        return [
-            (test.stress, test.name, request.strain or last) for test, last in zip(request.tests, lasts, strict=True)
-        ]
+        return [(test.stress, test.name, request.strain or test.last_strain(request.kind)) for test in request.tests]
     return [(stress, "", request.strain) for stress in request.stresses or (None,)]
 
 

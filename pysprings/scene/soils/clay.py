@@ -214,11 +214,11 @@ class Tresca(SoilLaw):
         return float(soil.undrained_shear_strength)
 
     def _initial(self, soil: Soil, stresses: tuple[float, float]) -> Iterator[Clash]:
-        """Check that the geostatic stress is within the strength."""
+        """Check that the geostatic stress is within the strength, of a law that mobilises it below the strength."""
         strength = self.strength(soil)
         shear = self.measure * abs(1.0 - soil.K0) * max(stresses)
-        most = strength if soil.strain_at_half_strength is None else strength * (1.0 - _ROUNDING)
-        if shear > most + _ROUNDING * max(stresses):
+        slack = _ROUNDING * max(stresses)
+        if shear > strength + (slack if soil.strain_at_half_strength is None else -slack):
             names = ("K0", "undrained_shear_strength", "surcharge")
             if soil.surcharge > 0.0 and max(stresses) <= soil.surcharge:  # at mudline
                 names = ("surcharge", "undrained_shear_strength", "K0")

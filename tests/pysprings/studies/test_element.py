@@ -206,6 +206,42 @@ def test_a_fit_needs_more_values_than_keys_and_states_what_the_law_does_not_reac
     assert '"friction_angle_final" is by depth in this layer' in fitted(near, two, "--set", by_depth).err
 
 
+def test_a_fitted_value_that_is_none_has_a_mark(scene: Path, tmp_path: Path) -> None:
+    """At its bound where the law refuses what is beyond, too; no error of a key that changes nothing in the data."""
+    weak = "100,0,0\n100,1,70\n100,2,75\n100,5,80\n"  # 16.6 degrees
+    about = ("element", str(scene), "--layer", "sand", "--set", 'soil.layer.sand.friction_angle_initial="20 deg"',
+             "--set", "soil.layer.sand.K0=0.6", "--data", str(tmp_path / "lab.csv"), "--no-figures",
+             "--out", str(tmp_path / "o"), "--fit")  # fmt: skip
+    (tmp_path / "lab.csv").write_text(HEAD + weak)
+    (key,) = json.loads(command(*about, "friction_angle_final", "--json").out)["fit"]["keys"]
+    assert key["value"] == pytest.approx(20.0, rel=5e-3) and key["at_bound"]
+    small = "100,0,0\n100,0.001,0.9\n100,0.002,1.8\n100,0.003,2.6\n"  # before yield
+    (tmp_path / "lab.csv").write_text(HEAD + small)
+    fit = json.loads(command(*about, "young_modulus,friction_angle_final", "--json").out)["fit"]
+    assert [key["error"] is None for key in fit["keys"]] == [False, True]
+    assert fit["correlation"] == [[pytest.approx(1.0), None], [None, None]]
+    text = command(*about, "young_modulus,friction_angle_final").out
+    assert text.count("these data do not determine it") == 1 and "nan" not in text
+
+
+@pytest.mark.parametrize("more", [(), ("--set", "soil.layer.clay.strain_at_half_strength=0.01")])
+def test_a_stress_outside_the_strength_is_refused(scene: Path, tmp_path: Path, more: tuple[str, ...]) -> None:
+    """At K0 0.6 and 201 kPa the shear stress before the test is su; a law that mobilises su stays below it."""
+    run = ("element", str(scene), "--layer", "clay", "--set", "soil.layer.clay.K0=0.6", *more, "--strain", "0.01",
+           "--set", 'soil.layer.clay.effective_unit_weight="4 kN/m^3"', "--test", "dss", "--no-figures", "--out", str(tmp_path / "o"))  # fmt: skip
+    assert command(*run, "--stress", "199 kPa").code == 0
+    assert command(*run, "--stress", "200 kPa").code == (2 if more else 0)
+    found = command(*run, "--stress", "201 kPa")
+    assert found.code == 2 and "consolidated under 201 kPa" in found.err and "strength 40 kPa" in found.err
+
+
+def test_a_curve_is_no_shorter_than_its_data(scene: Path, tmp_path: Path) -> None:
+    (tmp_path / "lab.csv").write_text(HEAD + ROWS)
+    run = ("element", str(scene), "--layer", "sand", "--data", str(tmp_path / "lab.csv"), "--no-figures")
+    found = command(*run, "--out", str(tmp_path / "o"), "--strain", "0.02")
+    assert found.code == 2 and "--strain: 0.02 is less than the last strain of --data, 0.05" in found.err
+
+
 def test_a_curve_that_ends_early_is_away_from_the_data_beyond(scene: Path) -> None:
     sand = load_scene(scene).ground.strata[0]
     curve = run(Request(sand, "triaxial", 3.0, stresses=(100e3,), strain=0.05)).curves[0]
