@@ -228,7 +228,8 @@ def test_a_fitted_value_that_is_none_has_a_mark(scene: Path, tmp_path: Path) -> 
 def test_a_stress_outside_the_strength_is_refused(scene: Path, tmp_path: Path, more: tuple[str, ...]) -> None:
     """At K0 0.6 and 201 kPa the shear stress before the test is su; a law that mobilises su stays below it."""
     run = ("element", str(scene), "--layer", "clay", "--set", "soil.layer.clay.K0=0.6", *more, "--strain", "0.01",
-           "--set", 'soil.layer.clay.effective_unit_weight="4 kN/m^3"', "--test", "dss", "--no-figures", "--out", str(tmp_path / "o"))  # fmt: skip
+           "--set", 'soil.layer.clay.effective_unit_weight="4 kN/m^3"', "--test", "dss", "--no-figures",
+           "--out", str(tmp_path / "o"))  # fmt: skip
     assert command(*run, "--stress", "199 kPa").code == 0
     assert command(*run, "--stress", "200 kPa").code == (2 if more else 0)
     found = command(*run, "--stress", "201 kPa")
