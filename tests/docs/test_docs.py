@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from pysprings import Scene
@@ -217,6 +218,21 @@ def test_python_of_a_document_runs(
         exec(compile(block, name(page), "exec"), {"__name__": "__main__"})
     if "print(" in block:
         assert capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_table_of_pandas_has_the_curves_between_their_points(
+    scratch: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (block,) = (block for page, block in PYTHON if "pivot_table" in block)
+    monkeypatch.chdir(scratch)
+    names: dict[str, Any] = {}
+    exec(compile(block.replace("print(", "shown = ("), "hand-over", "exec"), names)
+    lateral, shown = names["lateral"], names["shown"]
+    assert len(shown.columns) > 2 and not capsys.readouterr().out
+    for depth, own in lateral.groupby("depth_m"):
+        p = np.interp(shown.index, own["y_m"], own["p_N_per_m"], right=np.nan)
+        np.testing.assert_allclose(shown[depth], p, rtol=1e-9, atol=1e-9)
 
 
 def test_scenes_of_the_documents_are_valid() -> None:
