@@ -200,7 +200,8 @@ def _best(sheets: list[Sheet], known: Headings) -> list[Sheet]:
 def _head(sheet: Sheet, known: Headings) -> tuple[int, int]:
     """Return the place of the heading among the lines, the first with two known columns, and their number."""
     best, count = 0, 0
-    for k, (_, cells) in enumerate(sheet.lines[:_TITLES]):
+    comments = next((k for k, (_, cells) in enumerate(sheet.lines) if not _begins_with_hash(cells)), 0)
+    for k, (_, cells) in enumerate(sheet.lines[: comments + _TITLES]):
         texts = [text_of(cell) for cell in cells if isinstance(cell, str) and text_of(cell)]
         own = len({column[0].name for text in texts if (column := known.column_of(text))})
         if own > 1:

@@ -8,6 +8,7 @@ scaled down where its sum would be above the recorded one. The table states the 
 lines on the paths held back, and that of a beam on p(y) alone.
 """
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -48,6 +49,7 @@ PLACES = {
 }  # fmt: skip
 FAMILIES = ("py", "m", "tip", "lid")
 LEAST_CHANGE = 1e-3  # of the largest reaction of a curve: smaller corrections are not listed
+MOST_DEPTHS = 10  # that are listed
 BETWEEN = "straight lines between the points; curves are odd, and end with their range: beyond it nothing was computed"
 FRAME = "depth down from mudline; y and H along the load; rotation and M positive where the caisson leans towards it"
 UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the slice they are a force and a moment"
@@ -145,9 +147,7 @@ def _family(
     changed = np.abs(r - given).max(axis=1) > LEAST_CHANGE * np.abs(given).max(axis=1)
     if not changed.any():
         return rows, []
-    there = ", ".join(
-        f"{name} at {depth:.3g} m" for (name, depth, _), each in zip(places, changed, strict=True) if each
-    )
+    there = _in_words([place[:2] for place, each in zip(places, changed, strict=True) if each])
     lost = abs(_largest(weight @ (r - given), weight @ given))
     lever = weight * [depth for _, depth, _ in places]
     text = f"moments of the rotation lower by {lost:.2g} %" if turns else (
@@ -155,6 +155,18 @@ def _family(
         f"{_largest(lever @ (r - given), lever @ given):+.2g} %"
     )  # fmt: skip
     return rows, [f"corrected on the safe side, sum of the {text} of the largest at most: {there}"]
+
+
+def _in_words(places: Sequence[tuple[str, float]]) -> str:
+    """Return curves by name and depth [m]; of many depths the first and the last."""
+    texts = []
+    for name, own in itertools.groupby(places, lambda place: place[0]):
+        depths = [depth for _, depth in own]
+        if len(depths) > MOST_DEPTHS:
+            texts.append(f"{name} at {len(depths)} depths from {depths[0]:.3g} to {depths[-1]:.3g} m")
+        else:
+            texts += [f"{name} at {depth:.3g} m" for depth in depths]
+    return ", ".join(texts)
 
 
 def _largest(change: Array, whole: Array) -> float:

@@ -177,6 +177,17 @@ def test_the_table_answers_as_springs_of_a_user(tmp_path: File) -> None:
         np.testing.assert_allclose(balance, [H, H * arm], rtol=1e-6, atol=1e-6 * H)
 
 
+def test_comments_of_any_length_stand_above_a_table(tmp_path: File) -> None:
+    """A table that the program wrote, with remarks of its reader above it, is read again."""
+    depths = ", ".join(f"{0.1 + 0.1 * k:.1f} m" for k in range(35))
+    written = text(depths=depths)
+    assert re.search(r"largest at most: m at \d\d depths from 0\.\d+ to 3\.5 m", written)
+    file = tmp_path / "beam.csv"
+    file.write_text("# a remark, one of many\n" * 50 + written)
+    found = command("predict", file, "--springs", "full", "--H", "1 kN", "--arm", "6 m", "--json")
+    assert found.code == 0, found.err
+
+
 def test_workbook_and_text_have_the_same_rows(tmp_path: File) -> None:
     exporters.export(make_springs(PATHS), "beam", tmp_path / "beam.xlsx", depths=DEPTHS)
     rows = list(openpyxl.load_workbook(tmp_path / "beam.xlsx").active.values)
