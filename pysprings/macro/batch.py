@@ -13,7 +13,7 @@ from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, in_plane
 from pysprings.macro.answer import Way, answer_dataset
-from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
+from pysprings.macro.capacity import FULL_LIMIT, NOT_KNOWN, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
@@ -26,6 +26,7 @@ from pysprings.springs.springs import Springs
 
 _GIVEN = ("H", "M", "V", "H_x", "H_y", "M_x", "M_y", "T", "direction", "rot_z")
 _IN_PLANE = ("utilisation", "utilisation_V", "capacity_H", "capacity_M", "capacity_V")
+_CAPACITY = ("utilisation", "capacity_H", "capacity_M", "capacity_kind", "capacity_from")
 _MOTIONS = ("u", "w", "rotation", "stiffness")
 PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated range of the springs"
 # largest difference of springs in space from those in one plane [%] that is no mark, and the mark
@@ -130,9 +131,10 @@ def answer_from_all_sides(
 
     Cases with T or a moment across are answered by springs in space where there are any (`in_space` 1), each in
     proportion from rest: u and rotation are sizes of vectors, stiffness is NaN; `unchecked`, `torsion_apart` mark it
-    as a sequence. Their utilisation and capacities are those of H and M in the plane of H. What is beyond a limit
-    load there, or beyond the vertical springs, has no answer. `plane_difference_pct`: difference of springs in space
-    from the springs in one plane under that H and M. Without springs in space the part in the plane is answered.
+    as a sequence. Their utilisation and capacity are not known (NaN), but where H and M in the plane of H alone are
+    beyond theirs, which are given then: the whole load is, too. What is beyond a limit load there, or beyond the
+    vertical springs, has no answer. `plane_difference_pct`: difference of springs in space from the springs in one
+    plane under that H and M. Without springs in space the part in the plane is answered.
     """
     source = springs if isinstance(springs, MacroModel) else typed(springs)
     answers = answer_loads(source, np.stack([loads.H, loads.M], axis=1), V, extrapolate, **choice)
@@ -161,6 +163,8 @@ def _by_space(found: xr.Dataset, space: SpaceAnswers, cases: tuple[Marks, Array]
     own |= {"past_peak": np.zeros(len(rows), dtype=np.int8)} if "past_peak" in found else {}
     own |= {"answered": answered, "converged": answered, "why_not": why, "in_space": np.ones(len(rows), dtype=np.int8)}
     own["plane_difference_pct"] = _difference(found.isel(case=rows), space, V[rows])
+    known, blank = found["utilisation"].values[rows] > 1.0, (np.nan, np.nan, np.nan, NOT_KNOWN, "")
+    own |= {name: np.where(known, found[name].values[rows], each) for name, each in zip(_CAPACITY, blank, strict=True)}
     out, values = _blank(found, ~aside, (*_GIVEN, *_IN_PLANE)), {}
     for name, value in own.items():
         empty = np.full(len(V), np.nan) if value.dtype.kind == "f" else np.zeros(len(V), dtype=np.int8)

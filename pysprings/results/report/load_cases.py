@@ -154,8 +154,8 @@ COLUMNS = (
     Column("of", "capacity_kind", words=True),
     Column("range used", "range_used", brief=False, form=3),
     Column("mesh error [%]", "mesh_error_pct", brief=False, form=3),
-    Column("across [kN m]", "across_Nm", factor=KN, brief=False),
-    Column("torsion [kN m]", "torsion_Nm", factor=KN, brief=False),
+    Column("across [kN m]", "across_Nm", factor=KN),
+    Column("torsion [kN m]", "torsion_Nm", factor=KN),
     Column("u_x [mm]", "u_x_m", factor=MM, brief=False),
     Column("u_y [mm]", "u_y_m", factor=MM, brief=False),
     Column("rot_x [mrad]", "rot_x_rad", factor=1e3, brief=False),
@@ -163,7 +163,7 @@ COLUMNS = (
     Column("twist [mrad]", "twist_rad", factor=1e3, brief=False),
     Column("u bound [mm]", "u_bound_m", factor=MM, brief=False),
     Column("rotation bound [deg]", "rotation_bound_rad", factor=math.degrees(1.0), brief=False),
-    Column("utilisation bound", "utilisation_bound", brief=False, form=3),
+    Column("utilisation bound", "utilisation_bound", form=3),
     Column("verdict", "verdict", words=True),
     Column("mark", "marks", words=True),
     Column("remark", "remarks", words=True),
@@ -176,7 +176,7 @@ NOTE = (
     "reason. A bound, for a moment across the plane of H and a torsion, has all of the moment in that plane and T over "
     "the radius added to H, none where T governs; of a V beyond all springs, loads that fall in proportion to the "
     "largest V. The twist is T over the torsional stiffness at rest, the least one, or that of springs in "
-    "space; of these u and rotation are sizes of vectors, utilisation is that of H and M in the plane of H. Of a group "
+    "space; of these u and rotation are sizes of vectors, and the utilisation has a bound alone. Of a group "
     "a row is a caisson, and the tilt that counts is that of the rigid frame; its twist, bending of caissons "
     "across the plane of H and interaction through the soil are left out."
 )

@@ -28,7 +28,7 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
     """Return a row a case and strength: its load over the chord in its direction, at the nearest computed V.
 
     `utilisation` is NaN where no points enclose the direction of a case, `upper_bound` 1 where an end of its chord
-    is a probe that stopped before failure, `mesh_error_pct` the larger of the mesh's errors there. `off_load` is 1
+    is a probe that stopped before failure, `mesh_error_pct` the larger of the mesh's errors there, NaN where one is not known. `off_load` is 1
     where the V of a case is none of those computed, to 0.1 %: not the 10 % of springs, as an envelope closes where
     V nears its own capacity, and a tenth of V is not small there. A case without V has the worst of all.
     """
@@ -52,7 +52,7 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
                 "M_capacity_Nm": float(cases.M[k]) / share if share > 0.0 else np.nan,
                 "T_capacity_Nm": float(cases.torsion[k]) / share if share > 0.0 else np.nan,
                 "utilisation": share if not off else np.nan, "upper_bound": int(not known and np.isfinite(share)),
-                MESH_ERROR: float(ends[MESH_ERROR].max()),
+                MESH_ERROR: float(ends[MESH_ERROR].max(skipna=False)),
                 "remarks": cases.notes[k],
             })  # fmt: skip
     return pd.DataFrame(rows)

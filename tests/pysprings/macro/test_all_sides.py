@@ -12,6 +12,7 @@ from scipy.optimize import fsolve
 
 from pysprings.core.errors import BeyondSprings
 from pysprings.core.tables.load_cases import read_load_cases
+from pysprings.core.words import NOT_KNOWN
 from pysprings.macro.answer import MacroWarning
 from pysprings.macro.batch import APART, MOST_APART, SIDEWAYS, predict_batch
 from pysprings.macro.comparison import compare
@@ -20,6 +21,7 @@ from pysprings.macro.space import SpaceAnswers, sequence_in_space
 from pysprings.memory.space_model import SpaceSprings
 from pysprings.results.exporters.csv import read_comparison, write_frame
 from pysprings.results.exporters.xlsx import about_lines
+from pysprings.results.report.load_cases import table_of
 from pysprings.results.report.validity import compare_table
 from pysprings.springs.checks import save_springs
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
@@ -215,6 +217,23 @@ def test_design_answers_rows_out_of_one_plane(tmp_path: Path) -> None:
     assert (table.loc["far", "marks"], table.loc["far", "verdict"]) == (SIDEWAYS, "no answer")
     assert table.loc["other V", "marks"].startswith("V not covered") and table.loc["other V", "verdict"] != "ok"
     assert "left out" not in table.loc["other V", "marks"] and "no vertical path" in table.loc["other V", "marks"]
+
+
+def test_a_load_off_the_plane_has_no_utilisation_of_its_part_in_the_plane(tmp_path: Path) -> None:
+    """A small H and a large moment across: H alone uses next to nothing. What H and M alone exceed is exceeded."""
+    file = tmp_path / "loads.csv"
+    heads = "load case,Fx [kN],Fy [kN],Fz [kN],Mx [kNm],My [kNm],Mz [kNm]"
+    file.write_text(f"{heads}\nsmall H,5,0,-2000,-400,0,0\nall in plane,5,0,-2000,0,400,0\nfar,1e5,0,-2000,-9,2e5,0\n")
+    found = answer_cases(calibrated(), read_load_cases(file)).set_index("name")
+    part, whole = found.loc["small H"], found.loc["all in plane"]
+    assert part["answered"] == 1 and part["capacity_kind"] == NOT_KNOWN
+    assert part[["utilisation", "H_capacity_N", "M_capacity_Nm"]].isna().all()
+    assert part["utilisation_bound"] == pytest.approx(whole["utilisation"]) and part["u_m"] > 0.5 * whole["u_m"]
+    assert found.loc["far", "utilisation"] > 1.0 and found.loc["far", "verdict"] != "ok"
+    shown = table_of(found.reset_index(), brief=True)
+    row = dict(zip(shown.columns, shown.rows[0], strict=True))
+    assert float(row["across [kN m]"]) == -400.0 and row["utilisation"] == "-"
+    assert float(row["utilisation bound"]) == pytest.approx(part["utilisation_bound"], rel=1e-2)
 
 
 def test_w_out_of_one_plane_is_that_of_a_sequence_and_of_v_beside() -> None:

@@ -196,6 +196,9 @@ def test_utilisation_by_chords(tmp_path: Path) -> None:
     assert found["H_capacity_N"]["half"] == pytest.approx(-1e6)
     assert found["mesh_error_pct"][["on", "half", "moment", "outside"]].tolist() == [4.0, 4.0, 8.0, 2.0]
     assert utilisation(circle(known=False), cases)["upper_bound"].all()
+    one = circle()
+    one.loc[one["mesh_error_pct"] == 4.0, "mesh_error_pct"] = np.nan  # of one mesh: what it hides may be the larger
+    assert utilisation(one, cases).set_index("name")["mesh_error_pct"][["on", "half"]].isna().all()
 
 
 def sphere(known: bool = True) -> pd.DataFrame:
