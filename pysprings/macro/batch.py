@@ -12,8 +12,9 @@ from pysprings.core.arguments import check_arrays
 from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, in_plane
+from pysprings.core.words import NOT_KNOWN
 from pysprings.macro.answer import Way, answer_dataset
-from pysprings.macro.capacity import FULL_LIMIT, NOT_KNOWN, capacities, with_bound
+from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
@@ -26,7 +27,9 @@ from pysprings.springs.springs import Springs
 
 _GIVEN = ("H", "M", "V", "H_x", "H_y", "M_x", "M_y", "T", "direction", "rot_z")
 _IN_PLANE = ("utilisation", "utilisation_V", "capacity_H", "capacity_M", "capacity_V")
-_CAPACITY = ("utilisation", "capacity_H", "capacity_M", "capacity_kind", "capacity_from")
+_NO_CAPACITY: dict[str, Any] = {
+    "utilisation": np.nan, "capacity_H": np.nan, "capacity_M": np.nan, "capacity_kind": NOT_KNOWN, "capacity_from": "",
+}  # fmt: skip
 _MOTIONS = ("u", "w", "rotation", "stiffness")
 PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated range of the springs"
 # largest difference of springs in space from those in one plane [%] that is no mark, and the mark
@@ -163,8 +166,8 @@ def _by_space(found: xr.Dataset, space: SpaceAnswers, cases: tuple[Marks, Array]
     own |= {"past_peak": np.zeros(len(rows), dtype=np.int8)} if "past_peak" in found else {}
     own |= {"answered": answered, "converged": answered, "why_not": why, "in_space": np.ones(len(rows), dtype=np.int8)}
     own["plane_difference_pct"] = _difference(found.isel(case=rows), space, V[rows])
-    known, blank = found["utilisation"].values[rows] > 1.0, (np.nan, np.nan, np.nan, NOT_KNOWN, "")
-    own |= {name: np.where(known, found[name].values[rows], each) for name, each in zip(_CAPACITY, blank, strict=True)}
+    over = found["utilisation"].values[rows] > 1.0
+    own |= {name: np.where(over, found[name].values[rows], none) for name, none in _NO_CAPACITY.items()}
     out, values = _blank(found, ~aside, (*_GIVEN, *_IN_PLANE)), {}
     for name, value in own.items():
         empty = np.full(len(V), np.nan) if value.dtype.kind == "f" else np.zeros(len(V), dtype=np.int8)
