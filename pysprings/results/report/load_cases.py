@@ -189,7 +189,10 @@ _GOVERN = {
 
 
 def closing(table: pd.DataFrame) -> str:
-    """Return the counts of the verdicts and the cases that govern; a case without an answer does where it is beyond."""
+    """Return the counts of the verdicts and the cases that govern.
+
+    A case without an answer does by its V, and where it is beyond.
+    """
     counts = table["verdict"].value_counts()
     parts = [f"{n:,} {verdict}" for verdict, n in counts.items()]
     what = "row" if "group_u_m" in table else "case"
@@ -197,7 +200,8 @@ def closing(table: pd.DataFrame) -> str:
     for column, words in _GOVERN.items():
         if column not in table:
             continue
-        known = table[table[column].notna() & ((table["answered"] == 1) | (table[column] > 1.0))]
+        counts_always = (table[column] > 1.0) | (column == "utilisation_V")
+        known = table[table[column].notna() & ((table["answered"] == 1) | counts_always)]
         if len(known):
             worst = known.sort_values([column, "name"]).iloc[-1]
             text += f"; largest {words} {worst[column]:.3g} in '{worst['name']}'"

@@ -162,6 +162,9 @@ def test_motions_are_unknown_where_one_estimate_has_no_answer() -> None:
     _, worst = governing({name: pd.DataFrame([row, fine]) for name, row in rows.items()})
     assert worst["verdict"].tolist() == ["tilt exceeded", "ok"] and worst["marks"][0] == "high: tilt used 1.34"
     assert "largest tilt used 0.1 in 'b', of cases that every estimate answers" in closing(worst)
+    fine["utilisation_V"], rows["low"]["utilisation_V"] = 0.1, 0.4  # V used does not need the lateral answer
+    _, worst = governing({name: pd.DataFrame([row, fine]) for name, row in rows.items()})
+    assert "largest V used 0.4 in 'a'" in closing(worst)
 
 
 def test_numbers_beside_the_largest_are_those_of_its_estimate() -> None:
