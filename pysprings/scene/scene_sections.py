@@ -18,7 +18,7 @@ from pysprings.scene.ground import Ground, make_ground
 class SceneSections(sections.Section):
     """The values of a scene, each valid for itself, and what follows from them, found once."""
 
-    title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson in sand, drained"
+    title: Annotated[str, Text("title of tables and pictures")] = "Suction caisson"
     caisson: sections.Caisson = sections.Caisson()
     domain: sections.Domain = sections.Domain()
     soil: sections.Soil = sections.Soil()
