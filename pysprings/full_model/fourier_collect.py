@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Engine state of a Fourier model, of half or the whole of a caisson -> the rows that `collect` makes of bricks.
 
-Fields around the ring are those of the stations, and the one trigonometric polynomial through them elsewhere.
+Fields around the ring are those of the stations, and the one trigonometric polynomial through them elsewhere, but for
+the tractions between stations that are all open, and the gap between stations that are all closed.
 """
 
 from collections.abc import Callable
@@ -33,7 +34,7 @@ class FourierCollector(Collector):
     def _take_mesh(self, volume: bool) -> None:
         built = self.built
         self.slices, self.azimuth = slices_of_elements(built.section.depth), output_azimuths(built.model.harmonics)
-        self._around = around(built.azimuth, self.azimuth)
+        self._around, self._beside = around(built.azimuth, self.azimuth), beside(built.azimuth, self.azimuth)
         self._plane = _Plane(built)
         self._wave = elements.waves(self.azimuth, built.model.harmonics)[..., 0]
         self.water_position = np.zeros((0, 3)) if self.balance is None else water_places(built, self.azimuth)
@@ -54,22 +55,28 @@ class FourierCollector(Collector):
         tension = largest_tension(model)
         opening = self.system.jumps(state)[:, 0] - model.initial_pressure / self.system.stations.penalties[:, 0]
         opening = np.where(np.isfinite(tension), opening - tension / self.system.stations.penalties[:, 0], -1.0)
-        least = -np.array([tension[ring].max() for ring in self.rings.values()])[:, None, None]
+        least, gaps = -np.array([tension[ring].max() for ring in self.rings.values()])[:, None, None], opening > 0.0
         lateral = -np.sin(self.azimuth)[:, None]
         fields = {
-            "normal_effective_stress": np.maximum(self._on_walls(even, -state.traction[:, 0]), least),
-            "shear_lateral": lateral * self._on_walls(odd, around_ring),
-            "shear_vertical": self._on_walls(even, -traction[:, 2]),
+            "normal_effective_stress": np.maximum(self._on_walls(even, -state.traction[:, 0], gaps), least),
+            "shear_lateral": lateral * self._on_walls(odd, around_ring, gaps),
+            "shear_vertical": self._on_walls(even, -traction[:, 2], gaps),
             "pore_pressure": self._on_walls(even, water),
-            "gap": self._on_walls(even, opening).clip(min=0.0),
+            "gap": self._on_walls(even, opening, ~gaps).clip(min=0.0),
         }
         return fields
 
-    def _on_walls(self, operator: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Return the means of the slices (side, azimuth, depth) of values (ns,) at the stations."""
+    def _on_walls(self, operator: np.ndarray, values: np.ndarray, level: np.ndarray | None = None) -> np.ndarray:
+        """Return the means of the slices (side, azimuth, depth) of values (ns,) at the stations.
+
+        Between stations that are all level (ns,) they are the means of theirs.
+        """
         walls = []
         for ring in self.rings.values():
-            walls.append(means_of_elements(operator @ values[ring]))
+            found = operator @ values[ring]
+            if level is not None:
+                found = np.where(self._beside @ level[ring] > 1.0 - 1e-9, self._beside @ values[ring], found)
+            walls.append(means_of_elements(found))
         return np.stack(walls)
 
     def _shape(self, state: Fields, rigid: np.ndarray) -> dict[str, np.ndarray]:
@@ -126,6 +133,14 @@ def _mean_along_x(bent: np.ndarray) -> np.ndarray:
 def output_azimuths(harmonics: int) -> np.ndarray:
     """Return the azimuths of fields, from front to back: those of the stations and the middles between them."""
     return np.linspace(0.0, np.pi, 2 * (harmonics + 1) + 1)
+
+
+def beside(stations: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
+    """Return the mean (na, number of stations) of the stations that are nearest to each azimuth."""
+    apart = np.abs(azimuth[:, None] - stations)
+    near = apart < apart.min(axis=1, keepdims=True) + 1e-9
+    mean: np.ndarray = near / near.sum(axis=1, keepdims=True)
+    return mean
 
 
 def around(stations: np.ndarray, azimuth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -161,6 +161,23 @@ def test_fields_of_the_walls_show_suction_and_no_gap_where_the_contact_carries_i
     assert float(gap.sel(side="inside").max()) == 0.0
 
 
+def test_no_stress_stands_between_open_stations_and_no_gap_between_closed_ones():
+    """The polynomial through a pressure that is zero on half of the ring overshoots far from the edge of the gap."""
+    opening = {"outside": "vented", "inside": "sealed", "lid": "sealed", "tip": "sealed"}
+    pull = {**tiny.PULL, "lateral_displacement": 50e-3, "arm": 4.0}
+    given = clay(interface={"adhesion_factor": 0.6, "opening": opening}, paths=(pull,))
+    end = compute(given.replace(mesh={"harmonics": 3})).tree["paths/pull"].to_dataset().isel(step=-1)
+    fields = end.sel(side="outside").transpose("azimuth", ...)
+    stress, gap, shear = (fields[name].values for name in ("normal_effective_stress", "gap", "shear_lateral"))
+    around = np.pad(stress[1::2], ((1, 1), (0, 0)), "edge"), np.pad(gap[1::2], ((1, 1), (0, 0)), "edge")
+    is_open = ((around[0] < 1e-3) & (around[1] > 1e-6)).astype(int)
+    closed = ((around[0] > 1e-3) & (around[1] < 1e-9)).astype(int)
+    both_open, both_closed = (each[:-1] + each[1:] == 2 for each in (is_open, closed))
+    assert both_open.sum() > 3 and both_closed.sum() > 3
+    assert max(np.abs(each[::2][both_open]).max() for each in (stress, shear)) < 1e-3  # Pa
+    assert gap[::2][both_closed].max() < 1e-9 and gap[::2][both_open].min() > 0.0
+
+
 def test_mobilisation_softens_the_first_part_of_a_pull():
     loads = []
     for half in (None, 0.01):
