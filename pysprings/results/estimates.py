@@ -22,6 +22,7 @@ from pysprings.full_model.run_record import RunRecord
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import FIGURES
 from pysprings.results.two_runs import LOAD_UNITS, Run, common_paths, curve, farthest, growing, in_words, moved
+from pysprings.scene.soils.cyclic import titled
 from pysprings.springs.path import paths_of
 from pysprings.springs.tip_zone import on_slices, tip_zone
 
@@ -166,8 +167,8 @@ def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFr
     (folder / FIGURES).mkdir(exist_ok=True)
     files = [file for name, paths in common.items() for file in save(overlay(paths, name), folder / FIGURES / name)]
     pictures = [Picture(f"path {file.stem}", picture_uri(file.read_bytes(), file.suffix)) for file in files]
-    first, run = next(iter(runs.items()))
-    title = str(run.result.attrs["title"]).removesuffix(f" ({first} estimate)")
+    titles = {str(run.result.attrs["title"]).replace(f" ({name} estimate)", "") for name, run in runs.items()}
+    title = next(iter(titles)) if len(titles) == 1 else titled(next(iter(titles)), ())  # of cycles of each
     status = {name: _status(run.record) for name, run in runs.items()}
     page = page_html("estimates.html.j2", title=title, status=status, loads=table_of(loads), pictures=pictures)
     return [write_text(page, folder / "report.html"), *files]

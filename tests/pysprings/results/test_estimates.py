@@ -94,12 +94,14 @@ def test_loads_at_equal_motion_do_not_depend_on_the_steps_of_a_run(tmp_path: Pat
     runs = {}
     for name, steps in (("low", 12), ("best", 200)):
         result = measured_result(paths=(synthetic.Path("pull", arm=8.0, steps=steps),)).copy()
-        result.attrs["title"] = "a"
+        result.attrs["title"] = f"Storm ({name} estimate) (cyclic: drammen.csv, N {steps}, tau_a/su 0)"
         runs[name] = Run(name, result, RunRecord(Status.COMPLETE))
         for table in ("load_displacement.csv", "py.csv"):
             (tmp_path / name).mkdir(exist_ok=True)
             (tmp_path / name / table).write_text("u_m\n0\n")
     _, loads = write_together(tmp_path, runs)
+    page = (tmp_path / "report.html").read_text()
+    assert "Storm" in page and "estimate)" not in page and "N 12" not in page  # that of one of them
     assert (loads["low"] / loads["best"]).to_numpy() == pytest.approx(np.ones(len(loads)), abs=0.005)
     py = pd.read_csv(tmp_path / "py_side_by_side.csv")
     apart = (py["p_low_N_per_m"] - py["p_best_N_per_m"]).abs().max()
