@@ -88,7 +88,7 @@ def design(
     about |= {"note": "; ".join(notes)} if (notes := table.attrs.get("notes")) else {}
     about |= (record.summary if record else None) or {}
     for file in out or ():
-        files.write(file, answers, about, springs)
+        files.write(file, answers, about, springs, table)
     if in_report:
         files.into_report(result, table)
     if as_json:

@@ -425,21 +425,28 @@ def check_ending(file: Path) -> None:
         raise refused("--out", "is a folder, not a file", file)
 
 
-def write(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings | None) -> Path:
-    """Write answers (`answer_cases`) of springs (None: of several) to a file, with lines on what made them."""
+def write(
+    file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings | None,
+    govern: pd.DataFrame | None = None,
+) -> Path:  # fmt: skip
+    """Write answers (`answer_cases`) of springs (None: of several) to a file, with lines on what made them.
+
+    govern : The rows of several estimates that govern (`governing`), which result and picture show; None: the table.
+    """
+    govern = table if govern is None else govern
     check_ending(file)
     ending = file.suffix.lower()
     if ending == ".csv":
         return write_frame(table, file)
     if ending == ".xlsx":
-        return _workbook(file, table, about)
+        return _workbook(file, table, {**about, "result": text.closing(govern)})
     if ending == ".html":
-        return _page(file, table, about, springs)
+        return _page(file, (table, govern), about, springs)
     from pysprings.results.plots.files import content_of
     from pysprings.results.plots.load_cases import load_cases
 
     with replacing(file) as temporary:
-        temporary.write_bytes(content_of(load_cases(table, springs), ending[1:]))
+        temporary.write_bytes(content_of(load_cases(govern, springs), ending[1:]))
     return file
 
 
@@ -462,13 +469,17 @@ def _workbook(file: Path, table: pd.DataFrame, about: Mapping[str, str]) -> Path
     rows = table.to_dict("records")
     columns = filled(text.COLUMNS, rows)
     cells = (([column.value(row) for column in columns], row["verdict"] != text.OK) for row in rows)
-    notes = {**about, "result": text.closing(table), "columns": text.NOTE}
+    notes = {**about, "columns": text.NOTE}
     return write_sheet(file, [column.head for column in columns], cells, notes)
 
 
-def _page(file: Path, table: pd.DataFrame, about: Mapping[str, str], springs: AnySprings | None) -> Path:
+def _page(
+    file: Path, tables: tuple[pd.DataFrame, pd.DataFrame], about: Mapping[str, str], springs: AnySprings | None
+) -> Path:
+    """Write a page of all answers, with the picture and the closing line of those that govern."""
     from pysprings.results.report.page import page_html, picture_of_cases
 
-    cases, drawn = replace(text.table_of(table), title=""), picture_of_cases(table, springs)
-    values: dict[str, Any] = {"about": about, "closing": text.closing(table), "cases": cases, "drawn": drawn}
+    table, govern = tables
+    cases, drawn = replace(text.table_of(table), title=""), picture_of_cases(govern, springs)
+    values: dict[str, Any] = {"about": about, "closing": text.closing(govern), "cases": cases, "drawn": drawn}
     return write_text(page_html("design.html.j2", **values), file)

@@ -47,7 +47,8 @@ def load_cases(table: pd.DataFrame, springs: AnySprings | None) -> Figure:
         axes.annotate(style.plain(row["name"]), place, beside, textcoords="offset points", fontsize=8, zorder=5)
     axes.set(xlabel="V [MN], down +", ylabel="H, size [MN]")
     axes.set_ylim(bottom=0.0)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if axes.get_legend_handles_labels()[0]:  # none where no case has a V that is known, and springs draw nothing
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     figure.suptitle("Load cases: vertical and lateral load")
     return figure
 

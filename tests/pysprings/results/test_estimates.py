@@ -135,6 +135,28 @@ def test_load_cases_show_the_largest_over_the_estimates(ran: tuple[Path, Result]
     assert f"estimate {NAMES[-1]} has no springs.nc" in command("design", tmp_path / "stopped", cases, *options).err
 
 
+def test_files_of_the_answers_state_and_draw_what_governs(ran: tuple[Path, Result], tmp_path: Path) -> None:
+    """A case that the high estimate alone answers has no answer: of one case there is one, whatever the rows."""
+    cases, files = tmp_path / "cases.csv", [tmp_path / f"a.{end}" for end in ("xlsx", "html", "svg", "csv")]
+
+    def answered(H: float, V: object = "") -> pd.DataFrame:
+        cases.write_text(f"case,H [N],arm [m],V [N]\na,{H:.6f},0,{V}\n")
+        outs = [word for file in files for word in ("--out", file)]
+        assert command("design", ran[0], cases, "--springs", "py", *outs).code == 0
+        return pd.read_csv(files[-1]).set_index("estimate")
+
+    small = answered(1.0)
+    most, V = small["H_capacity_N"], small["V_N"]["high"]
+    large = 0.5 * (most["best"] + most["high"])
+    assert answered(large, V)["answered"].to_dict() == {"low": 0, "best": 0, "high": 1}
+    about = {row[0]: row[1] for row in openpyxl.load_workbook(files[0])["about"].iter_rows(values_only=True)}
+    assert about["result"].startswith("1 case: 1 no answer; largest utilisation")
+    assert about["result"] in files[1].read_text().replace("&#39;", "'")
+    drawn = files[2].read_text()
+    assert "load case, no answer" in drawn and "load case, ok" not in drawn and "supported" not in drawn
+    assert answered(large).index.tolist() == NAMES  # drawn without a V that is known
+
+
 def test_estimates_of_different_scenes_are_refused(ran: tuple[Path, Result], tmp_path: Path) -> None:
     """--force of one of three leaves two of the scene as it was; what a run writes does not count."""
     (tmp_path / "cases.csv").write_text("case,H [kN],arm [m]\na,20,0\n")

@@ -270,7 +270,7 @@ def test_the_table_of_the_run_is_named_and_several_estimates_have_no_lines_of_on
         save_springs(springs, tmp_path / name / "springs.nc")
     monkeypatch.setattr(cli, "cases_of", lambda _: cases)
     drawn = []
-    monkeypatch.setattr(files, "write", lambda *given: drawn.append(given[-1]))
+    monkeypatch.setattr(files, "write", lambda *given: drawn.append(given[3]))
     for folder in (tmp_path, tmp_path / "low"):
         done = command("design", folder, "--out", tmp_path / "a.png")
         assert done.out.startswith(f"load cases: {cases} as it is now ([design] cases of the run)\n\ncase")
