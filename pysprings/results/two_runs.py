@@ -171,8 +171,8 @@ def farthest(values: Array) -> float:
 
 
 def in_words(motion: float, driver: str) -> str:
-    """Return words for a motion [m or rad]."""
-    return f"{1e3 * motion:.4g} {'mrad' if driver == 'rotation' else 'mm'}"
+    """Return words for a motion [m or rad] from the state at rest, where w has the settlement under the dead load."""
+    return f"{1e3 * motion:.4g} {'mrad' if driver == 'rotation' else 'mm'}{' from rest' if driver == 'w' else ''}"
 
 
 def curve(path: xr.Dataset, driver: str, quantity: str) -> tuple[Array, Array]:

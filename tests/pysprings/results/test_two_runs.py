@@ -60,7 +60,7 @@ def test_the_numbers_of_both(folders: tuple[Path, Path]) -> None:
 
 def test_what_goes_up_has_its_sign_and_what_is_not_compared_is_named(folders: tuple[Path, Path]) -> None:
     made = rows(*folders)
-    assert made["path up: V at w = -0.01 mm [kN]"]["change"] < 0.0
+    assert made["path up: V at w = -0.01 mm from rest [kN]"]["change"] < 0.0
     assert [name for name in made if "not compared" in name] == ["path alone: not compared"]
     assert [made["path alone: not compared"][each] for each in ("first", "second")] == ["-", "pull"]
 
