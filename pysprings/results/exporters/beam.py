@@ -285,4 +285,6 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
     found = variables.attach(xr.Dataset(data, coords, {"remarks": head}), "springs_path")
     for each in found.variables:  # of tip and lid, top and bottom of slices
         found[each].attrs = found[each].attrs or {"units": found[str(each).partition("_")[0]].attrs["units"]}
+    for each in ("bounds", "comment"):  # of the slices of a path, which these curves do not have
+        del found["depth"].attrs[each]
     return found

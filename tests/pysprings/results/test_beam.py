@@ -256,6 +256,7 @@ def test_the_curves_as_arrays_are_those_of_the_table() -> None:
     assert {str(name): each.attrs["units"] for name, each in found.variables.items()} == {
         str(name): units[str(name).partition("_")[0]] for name in found.variables
     }
+    assert "bounds" not in found["depth"].attrs  # names no variable that is not there
     assert len(pysprings.beam(tree, points=7)["point"]) == 7
     with pytest.raises(UserInputError, match="not on the skirt"):
         pysprings.beam(tree, [0.5, 9.0])
