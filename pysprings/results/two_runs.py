@@ -65,7 +65,7 @@ def _scene(first: Run, second: Run) -> Iterator[Row]:
 
 
 def _keys(text: str) -> dict[str, str]:
-    """Return the values of a scene file by dotted key; paths and layers by their names."""
+    """Return the values of a scene file by dotted key; paths and layers by their names, and numbers of one name."""
     import tomllib
 
     return dict(_flat("", tomllib.loads(text)))
@@ -76,8 +76,10 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, str]]:
         for key, each in value.items():
             yield from _flat(f"{name}.{key}".lstrip("."), each)
     elif isinstance(value, list) and value and isinstance(value[0], dict):
-        for k, each in enumerate(value):
-            yield from _flat(f"{name}.{each.get('name', k + 1)}", each)
+        names = [str(each.get("name", k)) for k, each in enumerate(value, 1)]
+        for k, (own, each) in enumerate(zip(names, value, strict=True)):
+            number_of_name = f" ({names[: k + 1].count(own)})" if names.count(own) > 1 else ""
+            yield from _flat(f"{name}.{own}{number_of_name}", each)
     else:
         yield name, str(value)
 

@@ -75,6 +75,20 @@ def test_paths_of_one_name_at_different_vertical_loads_are_marked(folders: tuple
     assert row.part == "path pull" and row.change == pytest.approx(100e3 / load)
 
 
+def test_layers_of_one_name_are_compared_each_with_its_own(folders: tuple[Path, Path]) -> None:
+    """As `pysprings ground` names them by their soil: sand, clay, sand."""
+    tree, layers = open_result(folders[0]), (("sand", 0), ("clay", 3), ("sand", 6))
+    runs = []
+    for weight in (9, 10):
+        text = "".join(
+            f'[[soil.layer]]\nname = "{name}"\ntop = {top}\nweight = {weight + top}\n' for name, top in layers
+        )
+        text = text.replace(f"weight = {weight + 3}", "weight = 8").replace(f"weight = {weight + 6}", "weight = 7")
+        runs.append(Run(str(weight), tree, RunRecord(scene_toml=text)))
+    (row,) = [row for row in differences(*runs) if row.part == "scene"]
+    assert (row.quantity, row.first, row.second) == ("soil.layer.sand (1).weight", "9", "10")
+
+
 def test_a_difference_on_the_way_back_counts(folders: tuple[Path, Path]) -> None:
     """Of two runs that are alike but for the last load of a path that turns back: that load is the difference."""
     first, changed = (open_result(folders[0]) for _ in range(2))
