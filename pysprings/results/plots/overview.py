@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import PATH_KINDS
-from pysprings.core.words import TILTS
+from pysprings.core.words import SOLVED, TILTS
 from pysprings.results.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture
@@ -46,14 +46,17 @@ def _until(tree: xr.DataTree) -> str:
     return "to where water would cavitate, beyond which no load is a capacity" if cut else ""
 
 
-def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y: tuple[str, float]) -> None:
+def draw_paths(
+    axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y: tuple[str, float], least: float = 0.0
+) -> None:
     """Draw a variable of each path that moves in it against another, (name, factor) each; held-back paths are dashed.
 
-    The names of the paths are the labels of the lines.
+    The names of the paths are the labels of the lines. A path on which y stays below `least` (N or N m) has none.
     """
     for name, path, colour in (each for each in paths if np.ptp(each.data[x[0]].values) > SMALLEST):
         line = "--" if path.attrs.get("role") == "held-back" else "-"
         across, up = path[x[0]].values * x[1], path[y[0]].values * y[1]
+        up = up if np.abs(up).max() > least * y[1] else 0.0 * up
         style.plot_path(
             axes, across, up, converged(path), color=colour, linestyle=line, label=style.plain(name), linewidth=1.5
         )
@@ -63,16 +66,23 @@ def draw_paths(axes: Axes, paths: Sequence[LateralPath], x: tuple[str, float], y
 @style.styled
 def overview(tree: xr.DataTree) -> Figure:
     """Draw H [MN] against u [mm], and M [MN m] against rotation [deg], of all lateral paths of a result or springs."""
-    paths = lateral_paths(tree)
+    paths, least = lateral_paths(tree), _unsolved(tree)
     figure = style.new_figure(9.6, 4.8)
     left, right = figure.subplots(1, 2)
-    draw_paths(left, paths, ("u", style.MM), ("H", style.MN))
+    draw_paths(left, paths, ("u", style.MM), ("H", style.MN), least["H"])
     left.set(xlabel="lateral displacement u of the lid centre [mm]", ylabel="H [MN]", title="Load")
-    draw_paths(right, paths, ("rotation", style.DEG), ("M", style.MN))
+    draw_paths(right, paths, ("rotation", style.DEG), ("M", style.MN), least["M"])
     right.set(xlabel="rotation [deg]", ylabel="M about the lid centre [MN m]", title="Moment")
     style.set_title(figure, "All lateral paths (dashed: held back)", settings(tree), _until(tree))
     _name_below(figure)
     return figure
+
+
+def _unsolved(tree: xr.DataTree) -> dict[str, float]:
+    """Return H [N] and M [N m] that the tolerance of the solver leaves of zero beside the largest load."""
+    known = float(tree.attrs.get("outer_diameter_m", 1.0))
+    most = SOLVED * max(load_sizes((path for _, path, _ in lateral_paths(tree)), known).values())
+    return {"H": most / known, "M": most}
 
 
 def _name_below(figure: Figure) -> None:
@@ -121,7 +131,7 @@ def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] 
     """Draw the size of a load against the size of the rotation on given axes."""
     free = lateral_paths(tree, free_head=True)
     paths = [each._replace(name=_name(each.name, each.data), data=_sizes(each.data)) for each in free]
-    draw_paths(axes, paths, ("rotation", style.DEG), (load, style.MN))
+    draw_paths(axes, paths, ("rotation", style.DEG), (load, style.MN), _unsolved(tree)[load])
     largest = max((float(path["rotation"].max()) * style.DEG for _, path, _ in paths), default=0.0)
     shown = [limit for limit in limits if limit <= 1.5 * largest]
     for limit in shown:

@@ -821,6 +821,17 @@ def test_a_moment_that_is_rounding_has_no_secant() -> None:
     assert {str(line.get_label()) for line in right} & {"pull", "turn"} == {"turn"}
 
 
+def test_a_moment_that_the_solver_leaves_of_zero_is_drawn_as_zero() -> None:
+    """A pull at mudline whose M is 7 N m of 2.6 MN: the panel would show it in full height, as a result."""
+    tree = synthetic.make_result((PULL,))
+    path = tree["paths/pull"]
+    path["M"] = 3e-6 * path["H"] * (-1.0) ** np.arange(path.sizes["step"])
+    for figure, panel in ((plots.overview(tree), 1), (plots.tilt(tree), 1)):
+        (line, *_) = (each for each in figure.axes[panel].get_lines() if str(each.get_label()).startswith("pull"))
+        assert np.abs(line.get_ydata()).max() == 0.0 and np.abs(line.get_xdata()).max() > 0.0
+        assert np.abs(figure.axes[0].get_lines()[0].get_ydata()).max() > 0.0
+
+
 def test_the_names_of_many_paths_stand_below_and_a_motion_of_rounding_is_not_drawn() -> None:
     """Forty paths, one of them a rotation whose u is what the solver leaves of 0."""
     tree = synthetic.make_result((*(synthetic.Path(f"pull_{k}", steps=3) for k in range(40)), ROTATION))
