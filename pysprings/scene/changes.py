@@ -105,6 +105,8 @@ def _table(table: Any, key: str, change: Change) -> Any:
 
 def _entry(tables: list[Any], name: str, change: Change) -> int:
     names = _names(tables)
+    if names.count(name) > 1:
+        raise _refused(change, f"{names.count(name)} have the name '{name}': give each a name of its own")
     if name in names:
         return names.index(name)
     raise _refused(change, f"no '{name}'{suggestion(name, names)}; there are: {', '.join(names) or 'none'}")

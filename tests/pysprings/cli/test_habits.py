@@ -62,6 +62,22 @@ def test_a_wrong_value_is_refused_in_one_line(scene_file: Path, change: str, say
     assert len(done.err.splitlines()) == 1
 
 
+def test_a_value_of_one_of_two_layers_of_a_name_is_refused(tmp_path: Path) -> None:
+    """The first of them alone would change."""
+    layer = """[[soil.layer]]
+name = "clay"
+law = "tresca"
+undrained_shear_strength = "40 kPa"
+rigidity_ratio = 200
+effective_unit_weight = "8 kN/m^3"
+"""
+    text = f'{layer}top = "0 m"\n{layer}top = "3 m"\n[interface]\nadhesion_factor = 0.6\n'
+    (tmp_path / "a.toml").write_text(text)
+    assert command("check", tmp_path / "a.toml").code == 0
+    done = command("check", tmp_path / "a.toml", "--set", "soil.layer.clay.rigidity_ratio=300")
+    assert done.code == 2 and "2 have the name 'clay': give each a name of its own" in done.err
+
+
 def test_a_quiet_run_without_pictures_and_its_log(tmp_path: Path) -> None:
     """Nothing on the terminal; progress, with times, in the log; the scene is the same, so that a run can go on."""
     scene = tiny.scene(output={"figures": True})
