@@ -7,7 +7,8 @@ A sequence is a recorded path that turns back, bends, or whose load climbs. It i
 by u with the load at its height, other motions by u and rotation, loads by H and M. Errors are the largest distance
 along the path over the largest value of the full model on it.
 
-A branch goes from one turn to the next; two branches are a cycle. With the changes dH, dM, du, d(rotation) between the
+A branch goes from one turn to the next; two branches are a cycle where the second ends where the first began, in what
+is imposed: else their work has stored energy in it. With the changes dH, dM, du, d(rotation) between the
 turns that end a cycle, and the work W of it,
 
     W = integral of H du + M d(rotation),   damping ratio = 2 W/(pi (dH du + dM d(rotation))),
@@ -37,6 +38,7 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 
 SETS = ("fan", "memory")
+CLOSED = 0.02  # of the last branch, by which a cycle may stay open
 _HELD = 1e-6  # share of the largest change below which a quantity is held
 
 
@@ -111,21 +113,22 @@ def _largest(full: Array, macro: Array, answered: bool) -> float:
 
 def cycles(one: Followed) -> pd.DataFrame:
     """Return one row a branch: peaks, secant stiffness, work of the cycle that ends with it, damping ratio, of both."""
-    at = turns(one)
+    at, imposed = turns(one), _imposed(one)
     motion, load = measured(one)
     works = one.work
     rows = []
     for number, (start, end) in enumerate(pairwise(at), 1):
         row: dict[str, Any] = {"path": one.path.name, "springs": one.springs, "branch": number, "states": end - start}
+        before = at[number - 2] if number > 1 else start
+        open_by, size = (float(np.abs(imposed[end] - imposed[each]).max()) for each in (before, start))
         for who, (motions, loads), work in zip(("full", "macro"), (one.full, one.macro), works, strict=True):
             x, F = motions[:, motion], loads[:, load]
             row[f"x_end_{who}"], row[f"F_end_{who}"] = float(x[end]), float(F[end])
             change = float(x[end] - x[start])
             row[f"secant_{who}"] = float(F[end] - F[start]) / change if change else np.nan
             row[f"work_{who}_J"] = float(work[end] - work[start])
-            before = at[number - 2] if number > 1 else None
             area = float(((loads[end] - loads[start]) * (motions[end] - motions[start])).sum())
-            whole = np.nan if before is None else float(work[end] - work[before])
+            whole = float(work[end] - work[before]) if open_by <= CLOSED * size else np.nan
             row[f"cycle_{who}_J"], row[f"damping_{who}"] = whole, 2.0 * whole / (np.pi * area) if area else np.nan
         rows.append(row)
     return pd.DataFrame(rows)
@@ -136,17 +139,21 @@ def turns(one: Followed) -> list[int]:
 
     A step in which the vertical load changes is none: what is imposed laterally stays there, but for rounding.
     """
-    plane = one.full[1] if one.control == "load" else one.full[0]
-    scaled = plane / np.maximum(np.abs(plane).max(axis=0), 1e-300)
-    if one.control == "displacement":
-        scaled = scaled[:, :1]
-    steps = np.diff(scaled, axis=0)
+    imposed = _imposed(one)
+    steps = np.diff(imposed, axis=0)
     lateral = np.abs(steps).sum(axis=1) > 0.0
     if one.V is not None:
         lateral &= np.diff(one.V) == 0.0
     moved = np.flatnonzero(lateral)
     back = (steps[moved[1:]] * steps[moved[:-1]]).sum(axis=1) < 0.0
-    return [0, *moved[1:][back].tolist(), len(plane) - 1]
+    return [0, *moved[1:][back].tolist(), len(imposed) - 1]
+
+
+def _imposed(one: Followed) -> Array:
+    """Return what the full model was driven by, (n, 1) or (n, 2), over the largest of each."""
+    plane = one.full[1] if one.control == "load" else one.full[0]
+    scaled: Array = plane / np.maximum(np.abs(plane).max(axis=0), 1e-300)
+    return scaled[:, :1] if one.control == "displacement" else scaled
 
 
 def measured(one: Followed) -> tuple[int, int]:
@@ -256,7 +263,8 @@ _COLUMNS = (
 _NOTES = (
     "errors: largest distance along the path over the largest value of the full model, of what answers",
     "a branch goes from turn to turn; peak: H [kN] at its end, secant stiffness dH/du [MN/m]; M [kN m] and [MN m/rad] "
-    "where u is held or H constant; damping = 2 W/(pi (dH du + dM d(rotation))) of the cycle that ends with the branch",
+    "where u is held or H constant; damping = 2 W/(pi (dH du + dM d(rotation))) of the cycle that ends with the "
+    "branch, where it closes",
     "reactions: largest distance at any depth over the largest value of the full model on the path, as changes from "
     "the start, at the motion of the springs. p error by depth: over the largest p at any depth",
 )

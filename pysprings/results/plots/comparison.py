@@ -199,7 +199,8 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
             looks = dict(zip(("color", "marker", "label"), look, strict=True))
             values = table[f"{what}_{whose}"].to_numpy() * scale
             panel.plot(amplitude, values, linestyle="none", markersize=6, fillstyle="none", **looks)
-        panel.set(xlabel=f"amplitude of {motion}", ylabel=words, ylim=(0.0, 1.05 * panel.dataLim.y1))
+        top = panel.dataLim.y1 if np.isfinite(panel.dataLim.y1) else 1.0  # no cycle closes
+        panel.set(xlabel=f"amplitude of {motion}", ylabel=words, ylim=(0.0, 1.05 * top))
 
 
 LOOPS = Picture(

@@ -523,6 +523,18 @@ def test_the_damping_of_a_parallelogram_is_that_of_its_area() -> None:
     assert errors(given)["H_error_pct"] == 0.0
 
 
+def test_elastic_springs_have_no_damping() -> None:
+    """Cycles that grow: those that do not close have no ratio, though the work of two branches is large."""
+    path = Springs.of(winkler.springs()).paths["turning_0"]
+    ends = (0.0, 1.0, -1.0, 2.0, -2.0, 2.0, -2.0, 0.0)
+    u = 1e-3 * np.concatenate([[0.0], *(np.linspace(a, b, 200)[1:] for a, b in pairwise(ends))])
+    states, loads = (np.stack([each, 0.0 * u], axis=1) for each in (u, 1e9 * u / (1.0 + 400.0 * np.abs(u))))
+    found = cycles(Followed(path, "fan", "state", (states, loads), (states, loads), ""))
+    assert found["damping_full"].notna().tolist() == [False, False, False, False, True, True, False]
+    assert found["cycle_full_J"].isna().tolist() == found["damping_full"].isna().tolist()
+    assert found["damping_full"].abs().max() < 1e-6
+
+
 def test_a_change_of_the_vertical_load_is_no_turn() -> None:
     """While V changes the lateral motion stays, but for rounding: the branches are those without these states."""
     path = Springs.of(winkler.springs()).paths["turning_0"]
