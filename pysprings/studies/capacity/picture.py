@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from pysprings.core.columns import Column, Row, Table
 from pysprings.core.storage import write_text
 from pysprings.results.plots import style
+from pysprings.results.plots.overview import SMALLEST
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, MN, VERMILLION, new_figure, plain, styled, zero_lines
 from pysprings.results.report.inputs import input_tables
 from pysprings.results.report.page import Picture, page_html, picture_uri
@@ -142,10 +143,15 @@ def _mega(source: str) -> Callable[[Row], float]:
     return value
 
 
+def _motion(source: str) -> Callable[[Row], float]:
+    """Return the reading of a motion in SI; what rounding has left of zero is 0."""
+    return lambda row: 0.0 if abs(row[source]) < SMALLEST else float(row[source])
+
+
 TORSION = (
     Column("torsion [deg]", "torsion_deg"),
     Column("T [MN m]", _mega("T_Nm")),
-    Column("twist [deg]", "twist_rad", 3, math.degrees(1.0)),
+    Column("twist [deg]", _motion("twist_rad"), 3, math.degrees(1.0)),
 )
 FULL = (
     Column("strength", "strength", words=True),
@@ -156,8 +162,8 @@ FULL = (
     Column("M [MN m]", _mega("M_Nm")),
     TORSION[1],
     Column("criterion", "criterion", words=True),
-    Column("u [mm]", "u_m", factor=1e3),
-    Column("rotation [deg]", "rotation_rad", 3, math.degrees(1.0)),
+    Column("u [mm]", _motion("u_m"), factor=1e3),
+    Column("rotation [deg]", _motion("rotation_rad"), 3, math.degrees(1.0)),
     TORSION[2],
 )
 ERROR = Column("mesh error [%]", MESH_ERROR, 2)

@@ -315,6 +315,10 @@ def test_files_and_words(tmp_path: Path) -> None:
     shown = picture.table_of(alone)
     assert {row[shown.columns.index("mesh error [%]")] for row in shown.rows} == {"-"}
     assert shown.note.endswith("'-': of one mesh, not known.")
+    twisted = sphere().iloc[-1:].assign(u_m=3.2e-18, rotation_rad=-2e-19, twist_rad=0.022)
+    shown = picture.table_of(Capacity(SCENE, plan.Request((1e6,)), twisted, None, ()))
+    row = dict(zip(shown.columns, shown.rows[0], strict=True))
+    assert [row[name] for name in ("u [mm]", "rotation [deg]", "twist [deg]")] == ["0", "0", "1.26"]
     lines = ["full model, characteristic strength", "macro-model, characteristic strength"]
     assert labels == [*lines, "load cases", "load cases of another V"]  # the panel is at 1 MN, that case at 2 MN
     drawn = {str(line.get_label()): line for line in axes[0].get_lines()}
