@@ -347,7 +347,8 @@ def _with_bounds(
     """Return the answers with what cases aside of one plane leave out, and with their bounds.
 
     marks : cases that are answered in space, and those that are twisted, (n,). Those of cases whose V is beyond the
-    springs have the share of loads (n,) of `_left_beyond`.
+    springs have the share of loads (n,) of `_left_beyond`. In space a bound stands in the mark where it does not show
+    that the load is carried.
     """
     space, twisted = marks
     out, aside, beyond = frame.copy(), cases.aside, left != 1.0
@@ -356,7 +357,8 @@ def _with_bounds(
         out[column] = np.where(load != 0.0, load, np.nan)
     for column, name in BOUNDS.items():
         out[column] = np.where(bounded, np.abs(bounds[name].values), np.nan)
-    for k in np.flatnonzero((aside & ~space) | beyond):
+    loose = space & (out["answered"] == 1).to_numpy() & ~(out["utilisation_bound"] <= 1.0).to_numpy()
+    for k in np.flatnonzero((aside & ~space) | beyond | loose):
         lost = {"no moment across the plane of H": cases.across[k], "no torsion": cases.torsion[k]}
         lost = {} if space[k] else lost
         texts = [f"{what} ({number(1e-3 * abs(load))} kN m left out)" for what, load in lost.items() if load]

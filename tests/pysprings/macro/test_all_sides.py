@@ -27,7 +27,7 @@ from pysprings.springs.checks import save_springs
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import reslice
-from pysprings.studies.design import answer_cases
+from pysprings.studies.design import GOVERNS, answer_cases
 from tests.support import space_paths
 from tests.support.commands import command
 from tests.support.space_springs import calibrated
@@ -223,13 +223,18 @@ def test_a_load_off_the_plane_has_no_utilisation_of_its_part_in_the_plane(tmp_pa
     """A small H and a large moment across: H alone uses next to nothing. What H and M alone exceed is exceeded."""
     file = tmp_path / "loads.csv"
     heads = "load case,Fx [kN],Fy [kN],Fz [kN],Mx [kNm],My [kNm],Mz [kNm]"
-    file.write_text(f"{heads}\nsmall H,5,0,-2000,-400,0,0\nall in plane,5,0,-2000,0,400,0\nfar,1e5,0,-2000,-9,2e5,0\n")
+    file.write_text(f"{heads}\nsmall H,5,0,-2000,-400,0,0\nall in plane,5,0,-2000,0,400,0\nfar,1e5,0,-2000,-9,2e5,0\n"
+                    "against,900,0,-2000,-9,-3000,0\ntwist,0,0,-2000,0,0,300\n")  # fmt: skip
     found = answer_cases(calibrated(), read_load_cases(file)).set_index("name")
     part, whole = found.loc["small H"], found.loc["all in plane"]
     assert part["answered"] == 1 and part["capacity_kind"] == NOT_KNOWN
     assert part[["utilisation", "H_capacity_N", "M_capacity_Nm"]].isna().all()
     assert part["utilisation_bound"] == pytest.approx(whole["utilisation"]) and part["u_m"] > 0.5 * whole["u_m"]
     assert found.loc["far", "utilisation"] > 1.0 and found.loc["far", "verdict"] != "ok"
+    against, twist = found.loc["against"], found.loc["twist"]
+    assert against["answered"] == 1 and against["utilisation_bound"] > 1.0 and "bound: utilisation" in against["marks"]
+    assert twist["answered"] == 1 and np.isnan(twist["utilisation_bound"]) and GOVERNS in twist["marks"]
+    assert "bound: " not in part["marks"]
     shown = table_of(found.reset_index(), brief=True)
     row = dict(zip(shown.columns, shown.rows[0], strict=True))
     assert float(row["across [kN m]"]) == -400.0 and row["utilisation"] == "-"
