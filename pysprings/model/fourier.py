@@ -65,9 +65,8 @@ def section_counts_of(scene: Scene) -> SectionCounts:
     counts = PRESETS[ground_of_sections(scene)][scene.mesh.preset]
     if scene.mesh.refinement != 1.0:
         counts = refine_section(counts, scene.mesh.refinement)
-    if scene.mesh.harmonics is not None:
-        counts = replace(counts, harmonics=scene.mesh.harmonics)
-    return counts
+    harmonics = counts.harmonics if scene.mesh.harmonics is None else scene.mesh.harmonics
+    return replace(counts, harmonics=harmonics, halvings=scene.mesh.halvings)
 
 
 def build_fourier(scene: Scene, whole: bool = False) -> BuiltFourier:

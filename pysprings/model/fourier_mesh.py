@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fe_engine.fourier_model import SectionMesh
-from pysprings.model.mesh import Geometry, PlaneCounts, depths, graded, outside, skirt_cells, tip_radii
+from pysprings.model.mesh import Geometry, PlaneCounts, depths, graded, halved_towards, outside, skirt_cells, tip_radii
 from pysprings.model.steel import AROUND, PATCH
 from pysprings.scene.model import Scene
 
@@ -119,6 +119,7 @@ def _radii(geometry: Geometry, counts: SectionCounts, patch: bool) -> np.ndarray
     else:
         plug = graded(geometry.inner_radius, 0.0, counts.plug, wall)[::-1]
     plug[0] = 0.0
+    plug = halved_towards(plug, geometry.inner_radius, counts.halvings)
     return np.concatenate([plug, tip_radii(geometry, counts)[1:], outside(geometry, counts)[1:]])
 
 

@@ -83,6 +83,13 @@ def away(start: float, stop: float, n: int, first: float, near: float) -> np.nda
     return start + np.concatenate([levels, near + (length - near) * steps / steps[-1]])
 
 
+def halved_towards(levels: np.ndarray, at: float, times: int) -> np.ndarray:
+    """Return the levels with those of cells that are halved towards the level ``at``, on both sides of it."""
+    i, parts = int(np.argmin(np.abs(levels - at))), 0.5 ** np.arange(1, times + 1)
+    sides = [j for j in (i - 1, i + 1) if 0 <= j < len(levels)]
+    return np.sort(np.concatenate([levels, *(levels[i] + (levels[j] - levels[i]) * parts for j in sides)]))
+
+
 def down_the_skirt(length: float, diameter: float, n: int, first: float, last: float) -> np.ndarray:
     """Return levels from mudline to tip; n cells have the shares first and last of the reference skirt at its ends.
 
@@ -143,7 +150,8 @@ class PlaneCounts:
     first cell size next to the skirt as a fraction of the outer radius, ``mudline`` and ``toe`` those below
     mudline and beside the tip as fractions of the skirt length. The singular stresses are at the tip; a thin
     layer below mudline has almost no confining stress once the lid lifts, and is not finer than it needs to be.
-    The counts are those of the reference caisson, or of the caisson itself (``own``).
+    The counts are those of the reference caisson, or of the caisson itself (``own``). Of a section the elements beside
+    the skirt and its tip are halved towards them ``halvings`` times.
     """
 
     plug: int
@@ -155,6 +163,7 @@ class PlaneCounts:
     mudline: float
     toe: float
     own: bool = field(default=False, kw_only=True)
+    halvings: int = field(default=0, kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -243,19 +252,22 @@ def depths(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
     if counts.own:
         skirt = graded_both(length, counts.skirt, counts.mudline * length, counts.toe * length)
         below = graded(length, geometry.domain_depth, counts.below, skirt[-1] - skirt[-2])
-        return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
-    skirt = down_the_skirt(length, diameter, counts.skirt, counts.mudline, counts.toe)
-    toe = skirt[-1] - skirt[-2]
-    below = away(length, geometry.domain_depth, counts.below, toe, BELOW * diameter / DIAMETER)
-    return np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
+    else:
+        skirt = down_the_skirt(length, diameter, counts.skirt, counts.mudline, counts.toe)
+        toe = skirt[-1] - skirt[-2]
+        below = away(length, geometry.domain_depth, counts.below, toe, BELOW * diameter / DIAMETER)
+    levels = np.concatenate([through(skirt, geometry.lines), through(below, geometry.lines)[1:]])
+    return halved_towards(levels, length, counts.halvings)
 
 
 def outside(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
     """Return the radii of cells between skirt and side, in m."""
-    radius = geometry.outer_radius
+    radius, first = geometry.outer_radius, counts.wall * geometry.outer_radius
     if counts.own:
-        return graded(radius, geometry.domain_radius, counts.outer, counts.wall * radius)
-    return away(radius, geometry.domain_radius, counts.outer, counts.wall * radius, OUTSIDE * 2.0 * radius / DIAMETER)
+        levels = graded(radius, geometry.domain_radius, counts.outer, first)
+    else:
+        levels = away(radius, geometry.domain_radius, counts.outer, first, OUTSIDE * 2.0 * radius / DIAMETER)
+    return halved_towards(levels, radius, counts.halvings)
 
 
 def tip_radii(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
@@ -264,7 +276,7 @@ def tip_radii(geometry: Geometry, counts: PlaneCounts) -> np.ndarray:
     n = counts.tip
     if not counts.own:
         n = across_the_tip(radius - inner, 2.0 * radius, n, counts.wall * radius)
-    return np.linspace(inner, radius, n + 1)
+    return np.linspace(inner, radius, n * 2**counts.halvings + 1)
 
 
 def skirt_cells(geometry: Geometry, levels: np.ndarray) -> int:

@@ -81,8 +81,9 @@ def _series(scene: SceneSections) -> Iterator[Clash]:
     """Check what a Fourier series can carry."""
     mesh, chosen = scene.mesh, ("mesh", "discretisation")
     if scene.discretisation == "hex8":
-        if mesh.harmonics is not None:
-            yield Clash((("mesh", "harmonics"), chosen), 'are those of discretisation = "fourier"')
+        for key in ("harmonics", "halvings"):
+            if getattr(mesh, key):
+                yield Clash((("mesh", key), chosen), 'are those of discretisation = "fourier"')
         return
     if mesh.azimuth is not None:
         yield Clash((("mesh", "azimuth"), chosen), "counts bricks; a series has mesh.harmonics")

@@ -50,6 +50,8 @@ class Scene(SceneSections):
                 del values["mesh"][key]
         else:
             values["mesh"]["discretisation"] = self.discretisation
+        if self.mesh.halvings == 0:
+            del values["mesh"]["halvings"]
         if not self.soil.layers:
             del values["soil"]["layers"]
         for table in (values["soil"], *values["soil"].get("layers", ())):

@@ -372,6 +372,9 @@ class Path(Section):
         return beyond or turns or bool(self.given(LOADS) or self.given(MOTIONS))
 
 
+MOST_HALVINGS = 4
+
+
 class Mesh(Section):
     """Size of the mesh: a preset, and what overrides it."""
 
@@ -380,6 +383,9 @@ class Mesh(Section):
     refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
     discretisation: Annotated[str, Choice((AUTO, *get_args(Discretisation)), _DISCRETISED)] = AUTO
     harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
+    halvings: Annotated[
+        int, Count(0, MOST_HALVINGS, "times that the elements of a series beside skirt and tip are halved")
+    ] = 0
 
 
 class Solver(Section):

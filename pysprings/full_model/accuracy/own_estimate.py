@@ -11,11 +11,15 @@ where the path has come as far, r the ratio of the cells, o the order that the s
 "Sections"). What two harmonics more change on the coarser mesh is added: both errors are small, and their product is
 left out (the combination technique, Griebel, Schneider and Zenger 1992). One share for all quantities keeps what is
 linear in them: sums of reactions remain the loads, a load its height, y(z) = u - rotation z.
+
+Vertical paths in sand depend on the elements beside the tip, and on little else. They are run again with those halved,
+in a series of one harmonic (they are axisymmetric): q - (1 + 1/(2^o - 1)) (q - q_h), with o = 1 where the tip bears.
 """
 
 import math
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Literal
@@ -39,12 +43,14 @@ from pysprings.full_model.record import Meter
 from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import COHESIVE, FRICTIONAL, ground_of_sections
 from pysprings.scene.model import Scene
+from pysprings.scene.sections import MOST_HALVINGS, Path
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 from pysprings.springs.path_ends import MESH_ERROR, end_numbers
 from pysprings.springs.tip_zone import shares
 
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
 ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
+PUSHED, PULLED = 1.0, 2.0  # of vertical paths in sand, in the elements beside the tip (error-estimates-vertical.csv)
 LEAST_RATIO = 1.6  # of the cells: closer meshes would multiply what is not of the mesh, such as tolerances and steps
 _DEPTHS = ("p_component", "m", "t")
 _ORDER = ("depth", "side", "component", "step")
@@ -60,31 +66,59 @@ def share_of(ratio: float, order: float) -> float:
     return 1.0 / (ratio**order - 1.0)
 
 
-def extrapolated(
-    fine: xr.DataTree, coarse: xr.DataTree, share: float, richer: xr.DataTree | None = None
-) -> tuple[xr.DataTree, dict[str, str], dict[str, str]]:
-    """Return the result of the finer mesh with extrapolated paths, and by path why it is not extrapolated.
+@dataclass
+class Extrapolated:
+    """A result with extrapolated paths.
 
-    ``richer`` is the coarser mesh with more harmonics; the last item has the extrapolated paths that lack what these
-    change, with the reason. Each path that is extrapolated has a group `extrapolated` beside its own values
-    (`springs.path.paths_of` takes it in their place).
+    Each path that is extrapolated has a group `extrapolated` beside its own values (`springs.path.paths_of` takes it in
+    their place). halved : those that are from smaller elements beside the tip; not_alike : by path why it is not
+    extrapolated; without : by extrapolated path why it lacks what more harmonics change.
     """
-    tree, not_alike, without = fine.copy(deep=False), {}, {}
-    other, more = paths_of(coarse, of_mesh=True), {} if richer is None else paths_of(richer, of_mesh=True)
+
+    tree: xr.DataTree
+    halved: list[str] = field(default_factory=list)
+    not_alike: dict[str, str] = field(default_factory=dict)
+    without: dict[str, str] = field(default_factory=dict)
+
+    def add(self, name: str, better: xr.Dataset) -> None:
+        """Add the extrapolated variables of a path."""
+        self.tree[f"paths/{name}"].attrs["meshes"] = f"one; '{variables.EXTRAPOLATED}' has what {MESH_ERROR} is of"
+        self.tree[f"paths/{name}/{variables.EXTRAPOLATED}"] = xr.DataTree(better.assign_attrs(meshes="two"))
+
+
+def extrapolated(
+    fine: xr.DataTree, coarse: xr.DataTree, share: float,
+    richer: xr.DataTree | None = None, halved: xr.DataTree | None = None,
+) -> Extrapolated:  # fmt: skip
+    """Extrapolate the paths of the finer mesh from those of the coarser one.
+
+    ``richer`` is the coarser mesh with more harmonics, ``halved`` the finer one with smaller elements beside the tip.
+    """
+    found = Extrapolated(fine.copy(deep=False))
+    other, more, near = ({} if tree is None else paths_of(tree, of_mesh=True) for tree in (coarse, richer, halved))
     for name, path in paths_of(fine, of_mesh=True).items():
+        with suppress(NotAlike):
+            if name in near:
+                found.add(name, _path(path, -1.0 - share_of(2.0, _order_at_tip(path)), _beside(path, near[name])))
+                found.halved.append(name)
+                continue
         try:
             cells, harmonics = _beside(path, other.get(name)), None
         except NotAlike as error:
-            not_alike[name] = str(error)
+            found.not_alike[name] = str(error)
             continue
         try:
             harmonics = None if richer is None else _beside(path, more.get(name))
         except NotAlike as error:
-            without[name] = str(error)
-        better = _path(path, share, cells, harmonics).assign_attrs(meshes="two")
-        tree[f"paths/{name}"].attrs["meshes"] = f"one; '{variables.EXTRAPOLATED}' has what {MESH_ERROR} is of"
-        tree[f"paths/{name}/{variables.EXTRAPOLATED}"] = xr.DataTree(better)
-    return tree, not_alike, without
+            found.without[name] = str(error)
+        found.add(name, _path(path, share, cells, harmonics))
+    return found
+
+
+def _order_at_tip(path: RecordedPath) -> float:
+    """Return the order of a vertical path in the elements beside the tip, by where its largest motion goes."""
+    moved = path.recorded["w"].values - path.recorded["w"].values[0]
+    return PUSHED if moved[np.abs(moved).argmax()] > 0.0 else PULLED
 
 
 def has_equal_motion(path: RecordedPath) -> bool:
@@ -118,7 +152,8 @@ def _axes(path: xr.Dataset, name: str) -> tuple[str, ...]:
 def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     """Return reactions and free motions of a path of another mesh at the converged steps and the slices of the finer.
 
-    Raises NotAlike: the path did not come as far there, or has no equal motion.
+    Beyond the end of a path at its limit load the difference of both stays as it is there. Raises NotAlike: the path did
+    not come as far there, or has no equal motion.
     """
     if path is None:
         raise NotAlike("it did not start on the coarser mesh")
@@ -126,15 +161,19 @@ def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     if not has_equal_motion(fine):
         raise NotAlike("a load drives it: both meshes have no equal motion")
     at, known = _way(fine.dataset, fine.length), _way(other, fine.length)
-    flat = str(other.attrs["status"]) == "limit load"  # its reactions stay beyond
+    flat = str(other.attrs["status"]) == "limit load"
     if at[-1] > known[-1] * (1.0 + _SAME) and not flat:
         raise NotAlike(f"it stopped on the coarser mesh at {100.0 * known[-1] / at[-1]:.0f} % of its way")
-    at, found = np.minimum(at, known[-1]), {}
+    way, at, found = at, np.minimum(at, known[-1]), {}
     for name in (name for name in variables.GROUPS[variables.EXTRAPOLATED] if name in own and name in other):
         if name in ("p", "y"):
             continue
         found[name] = _between(known, other[name].transpose(*_axes(own, name)).values, at)
     _resliced(found, other, fine.dataset)
+    beyond = way > at
+    for name in found if beyond.any() else ():
+        values = fine.dataset[name].transpose(*_axes(own, name)).values
+        found[name][..., beyond] += values[..., beyond] - _between(way, values, known[-1:])
     return found
 
 
@@ -223,6 +262,7 @@ class Companions:
     """Runs on the coarser mesh by number of harmonics (None: bricks), or why there are none; what they cost.
 
     trees, richer : whole runs, and runs with two harmonics more.
+    halved : that of `vertical_paths` with smaller elements beside the tip, of one harmonic.
     harmonics : the number that was chosen.
     stopped : by path why it stopped on the coarser mesh.
     again : True where the reason passes, and another attempt may succeed.
@@ -233,6 +273,7 @@ class Companions:
 
     trees: dict[int | None, xr.DataTree] = field(default_factory=dict)
     richer: dict[int | None, xr.DataTree] = field(default_factory=dict)
+    halved: dict[int | None, xr.DataTree] = field(default_factory=dict)
     harmonics: int | None = None
     why_not: str = ""
     stopped: dict[str, str] = field(default_factory=dict)
@@ -291,7 +332,11 @@ def companions_of(
             if coarse is scene:
                 companions.why_not = "there is no coarser mesh than this one"
             elif scene.discretisation == FOURIER:
-                _choose(scene, coarse, companions, partial(_run, companions, compute, progress), chosen)
+                run = partial(_run, companions, compute, progress)
+                _choose(scene, coarse, companions, run, chosen)
+                if paths := vertical_paths(scene):
+                    mesh = {"harmonics": 1, "halvings": scene.mesh.halvings + 1}
+                    run(scene.replace(paths=paths, mesh=mesh, output=two_mesh.NO_OUTPUT), 1, companions.halved)
             else:
                 _run(companions, compute, progress, coarse, None, companions.trees)
         except (Exception, KeyboardInterrupt) as error:
@@ -314,7 +359,7 @@ def _choose(
         if not run(few.replace(**richer), n + 2, companions.richer):
             return
         enough = max(_changes(companions, n), default=0.0) <= two_mesh.LEFT * most
-        known = _names(companions.richer[n + 2])
+        known = _names(companions.richer[n + 2]) | {path.name for path in vertical_paths(scene)}
         rest = tuple(path for path in coarse.all_paths if path.name not in known and not enough)
         if rest and not run(coarse.replace(paths=rest, **richer), n + 2, companions.richer):
             return
@@ -323,6 +368,12 @@ def _choose(
             return
         n += 2
         companions.trees[n] = companions.richer[n]
+
+
+def vertical_paths(scene: Scene) -> tuple[Path, ...]:
+    """Return the paths that push or pull a caisson in sand vertically, where their elements can be halved once more."""
+    judged = ground_of_sections(scene) == FRICTIONAL and scene.mesh.halvings < MOST_HALVINGS
+    return tuple(path for path in scene.all_paths if judged and path.kind == "vertical")
 
 
 def _names(tree: xr.DataTree) -> set[str]:
@@ -345,14 +396,15 @@ def _run(
     companions: Companions, compute: Compute, progress: Progress | None,
     scene: Scene, key: int | None, into: dict[int | None, xr.DataTree],
 ) -> bool:  # fmt: skip
-    """Run a scene on the coarser mesh and keep its result; return whether there is one."""
-    beside = "" if key is None else f", {key} harmonics"
+    """Run a scene on another mesh than its own and keep its result; return whether there is one."""
+    mesh = "elements halved at the tip" if into is companions.halved else "coarser mesh"
+    beside = mesh if key is None else f"{mesh}, {key} harmonics"
 
     def report(at: str, share: float, text: str) -> None:
         if companions.late:
             raise KeyboardInterrupt  # as Ctrl-C: checkpoints have what it did
         if progress is not None:
-            progress(f"coarser mesh{beside}, {at}", share, text)
+            progress(f"{beside}, {at}", share, text)
 
     saved = companions.checkpoints
     name = f"{key or 'bricks'}" + ("" if into is companions.trees else "rest" if key in into else "few")
@@ -444,8 +496,12 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     given: dict[str, Any] = {"ratio": ratio, "richer": None if n is None else companions.richer.get(n + 2)}
     if ratio is not None and ratio > LEAST_RATIO:
         richer = given["richer"]
-        whole = richer is not None and _names(coarse) <= _names(richer)  # a fan is corrected as a whole
-        made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio, richer if whole else None)
+        vertical = {path.name for path in vertical_paths(scene)}  # axisymmetric
+        whole = richer is not None and _names(coarse) - vertical <= _names(richer)  # a fan is corrected as a whole
+        given["halved"] = companions.halved.get(1)
+        made, given["extrapolated"] = _extrapolated(
+            scene, result, coarse, ratio, richer if whole else None, given["halved"]
+        )
     estimate = two_mesh.estimate(result.tree, coarse, **given)
     covered = given.get("extrapolated", {}).get("paths", ())
     stopped = {name: why for name, why in companions.stopped.items() if name not in covered}
@@ -461,21 +517,29 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
 
 
 def _extrapolated(
-    scene: Scene, result: Computed, coarse: xr.DataTree, ratio: float, richer: xr.DataTree | None
+    scene: Scene,
+    result: Computed,
+    coarse: xr.DataTree,
+    ratio: float,
+    richer: xr.DataTree | None,
+    halved: xr.DataTree | None,
 ) -> tuple[Computed, dict[str, Any]]:
     """Return a result with extrapolated paths, and how they were extrapolated, as run.json has it."""
     order = ORDERS[ground_of_sections(scene)]
     share = share_of(ratio, order)
-    tree, not_alike, without = extrapolated(result.tree, coarse, share, richer)
-    record, paths = result.record, paths_of(tree)
+    found = extrapolated(result.tree, coarse, share, richer, halved)
+    tree, not_alike, record = found.tree, found.not_alike, result.record
+    paths = paths_of(tree)
     names = [name for name in paths if name not in not_alike]
     if names:
         sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, coarse))
         record.remarks.append(f"reactions extrapolated from meshes of {sizes} unknowns (order {order:g})")
-    corrected = [] if richer is None else [name for name in names if name not in without]
+    corrected = [] if richer is None else [n for n in names if n not in {*found.without, *found.halved}]
+    if found.halved:
+        record.remarks.append(f"reactions of {', '.join(found.halved)} extrapolated from elements halved at the tip")
     if corrected and richer is not None:
         record.remarks.append(f"reactions with what {richer.attrs['harmonics']} harmonics change on the coarser mesh")
-    record.remarks += [f"path {name} is without it: {why}" for name, why in without.items()]
+    record.remarks += [f"path {name} is without it: {why}" for name, why in found.without.items()]
     record.remarks += [f"path {name} has the reactions of one mesh: {why}" for name, why in not_alike.items()]
     tree.attrs["remarks"] = "; ".join(record.remarks)
     for name in names:
@@ -484,6 +548,7 @@ def _extrapolated(
         "order": order,
         "share": round(share, 4),
         "paths": names,
+        "halved": found.halved,
         "one_mesh": not_alike,
         "left": two_mesh.left_in(scene),
         "least": {} if scene.ground.total_stress else two_mesh.LEAST_IN_SAND,

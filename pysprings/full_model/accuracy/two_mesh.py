@@ -40,6 +40,7 @@ from pysprings.springs.path import paths_of, space_paths_of
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
+NO_OUTPUT = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
 FACTOR = {BRICKS: 0.7, FOURIER: 0.6}
 # Without an order of its own: that of stresses in linear elements, which the singularity at the tip does not let pass.
 USUAL_ORDER = 1.0
@@ -62,9 +63,11 @@ UNSURE = {
     "clay": {LOAD: 0.35, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
     "short skirt in clay": {LOAD: 0.875, VERTICAL: 0.875, OTHER: 0.4, PY: 1.4},
 }
-# [%] of the change of V: bearing of the tip in sand falls with the first power of its cells, or more slowly, and two
-# meshes agree too soon (data/evidence/error-estimates-vertical.csv)
+# [%] of the change of V: bearing of the tip in sand falls with the first power of its cells, and two meshes agree too
+# soon; with halved elements beside the tip HALVED of what these change is left, and LEAST_HALVED at least
+# (data/evidence/error-estimates-vertical.csv)
 LEAST_IN_SAND = {"vertical_max": 4.0}
+HALVED, LEAST_HALVED = 0.5, 1.0
 # Share of the difference of N and N + 2 harmonics that adding it leaves; N 3, clay with a gap, 10 % of D: 0.3 of loads.
 LEFT = 0.5
 SMALLEST_RATIO = 1.05  # of cell sizes: closer meshes give no estimate of their error
@@ -93,8 +96,7 @@ def coarser(scene: Scene) -> Scene:
     changed: dict[str, Any] = {"refinement": max(factor * scene.mesh.refinement, COARSEST_FACTOR)}
     if azimuth is not None:
         changed["azimuth"] = max(8, 4 * round(factor * azimuth / 4))
-    output = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
-    coarse = scene.replace(mesh=changed, output=output)
+    coarse = scene.replace(mesh=changed, output=NO_OUTPUT)
     same = section_counts_of if kind == FOURIER else counts_of
     if same(coarse) == same(scene):
         return scene
@@ -157,12 +159,14 @@ def estimate(
     richer: xr.DataTree | None = None,
     ratio: float | None = None,
     extrapolated: Mapping[str, Any] | None = None,
+    halved: xr.DataTree | None = None,
 ) -> dict[str, Any]:
     """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
 
     ``richer`` is the coarser mesh with more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of
     unknowns. ``extrapolated`` has the paths whose reactions are (`own_estimate`), and those that have the difference
-    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences.
+    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences. Of those
+    that are from ``halved`` elements beside the tip it is HALVED of what these change.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
     fewer = _size(coarse) / _size(fine)
@@ -170,6 +174,8 @@ def estimate(
         return missing(f"no mesh with fewer cells: {unknowns[1]} unknowns beside {unknowns[0]}")
     ratio = fewer if ratio is None else ratio
     own, beyond = differences(fine, coarse), {} if richer is None else differences(richer, coarse)
+    near = (extrapolated or {}).get("halved", ())
+    own |= {} if halved is None else {name: each for name, each in differences(fine, halved).items() if name in near}
     if not own:
         return missing("the runs have no path in common with two converged states")
     kind = str(fine.attrs.get("discretisation", BRICKS))
@@ -196,10 +202,11 @@ def estimate(
         for path, each in own.items():
             if not np.isfinite(each[name]):
                 continue
-            left = left_of.get(name, whole) if path in better else whole
+            left = HALVED if path in near else left_of.get(name, whole) if path in better else whole
             estimates[path][name] = left * each[name] + more[path]
             if path in better:  # meshes may agree by chance
-                floor = estimates[path].get("load_max", 0.0) if quantity == OTHER else least.get(name, 0.0)
+                floor = LEAST_HALVED if path in near else least.get(name, 0.0)
+                floor = estimates[path].get("load_max", 0.0) if quantity == OTHER else floor
                 estimates[path][name] = max(estimates[path][name], floor)
         for key, values in (("difference_pct", own), ("harmonics_pct", beyond)):
             finite = [each[name] for each in values.values() if np.isfinite(each[name])]

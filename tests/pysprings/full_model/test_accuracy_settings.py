@@ -185,6 +185,16 @@ def test_the_load_of_a_vertical_path_is_stated_apart_and_is_no_less_than_meshes_
         assert "load_max" not in found["estimate_pct"] and f"V {stated:g} %" in two_mesh.short(found)
 
 
+def test_of_halved_elements_at_the_tip_half_of_what_they_change_is_left() -> None:
+    """V of a push changes by 4 and by 1 %: 2 %, and the least that is stated; not the 20 % of the coarser mesh."""
+    fine, coarse = pushed(9000, 1.0), pushed(3000, 1.2)
+    how: dict[str, Any] = {"paths": ["down"], "halved": ["down"], "order": 2.0, "left": {"vertical_max": 0.35}}
+    for factor, stated in ((0.96, 2.0), (0.99, 1.0)):
+        given = how | {"least": two_mesh.LEAST_IN_SAND}
+        found = two_mesh.estimate(fine, coarse, extrapolated=given, halved=pushed(9500, factor))
+        assert found["estimate_pct"]["vertical_max"] == pytest.approx(stated)
+
+
 def test_the_estimate_of_a_series_adds_what_more_harmonics_change() -> None:
     """Limit 1; N 3 is 0.2 % above N 5 on the coarser mesh; the errors of the section are 1 % and 2^order %."""
     order = two_mesh.ORDERS["fourier"]["load"]
@@ -233,7 +243,10 @@ def test_harmonics_grow_until_two_more_change_little(
         assert n is not None and span[0] == spans[-1] < span[1] < 1.0  # one total, of the run and all beside it
         spans.append(span[1])
         names = [path.name for path in scene.all_paths]
-        ran.append(n if len(names) == len(fan) else f"{'few' if 'ray_0' in names else 'rest'} {n}")
+        if scene.mesh.halvings:
+            assert names == ["down", "up"] and scene.mesh.refinement == 1.0
+        part = "few" if "ray_0" in names else "halved" if scene.mesh.halvings else "rest"
+        ran.append(n if len(names) == len(fan) else f"{part} {n}")
         above = sum(size for least, size in change.items() if least >= n)
         tree = with_error(300 * (n + 1), harmonics=n, beside=above)
         pull = tree["paths/pull"]
@@ -243,7 +256,7 @@ def test_harmonics_grow_until_two_more_change_little(
     scene = tiny.sand(mesh={"discretisation": "fourier"}, paths=(), springs={"reach": 8e-3})
     fan = scene.all_paths
     found = companions_of(scene, compute)
-    assert found.harmonics == chosen and ran == asked
+    assert found.harmonics == chosen and ran == [*asked, "halved 1"]
     assert scene_to_run(scene, harmonics=found.harmonics).mesh.harmonics == chosen
     ran.clear()
     spans[:] = [SHARE]

@@ -92,7 +92,8 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
     record, tree = found().record, found().tree
     assert record.error_estimate is not None
     assert record.error_estimate["extrapolated"]["paths"] == ["pull", "back", "down"]
-    assert record.error_estimate["by_path"]["down"]["load_pct"] >= two_mesh.LEAST_IN_SAND["vertical_max"]
+    assert record.error_estimate["extrapolated"]["halved"] == ["down"]
+    assert [text for text in record.remarks if "reactions of down extrapolated from elements halved at the tip" in text]
     assert [text for text in record.remarks if "path load has the reactions of one mesh: a load drives it" in text]
     xr.testing.assert_identical(paths_of(tree)["load"].dataset, paths_of(tree, of_mesh=True)["load"].dataset)
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
@@ -121,7 +122,7 @@ def test_all_extrapolated_paths_begin_at_one_settlement() -> None:
         compute(scene(paths=(PULL, DOWN), caisson=caisson, mesh=SERIES["mesh"] | {"refinement": size})).tree
         for size in (0.6, 0.4)
     )
-    both, _, _ = own_estimate.extrapolated(fine, coarse, 0.5)
+    both = own_estimate.extrapolated(fine, coarse, 0.5).tree
     own, down, pull = paths_of(fine)["down"]["w"], paths_of(both)["down"]["w"], paths_of(both)["pull"]["w"]
     assert float(down[0]) == pytest.approx(float(pull[0]), rel=1e-9) and float(down[0]) != float(own[0])
     np.testing.assert_allclose(down - down[0], own - own[0], rtol=1e-6, atol=1e-12)
@@ -134,14 +135,37 @@ def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one(
         compute(scene(paths=(path,), mesh=SERIES["mesh"] | {"refinement": size})).tree for size in (0.6, 1.0, 2.2)
     )
     share = own_estimate.share_of(1.0 / 0.6, 2.0)
-    both, without, _ = own_estimate.extrapolated(fine, coarse, share)
-    assert not without
+    found = own_estimate.extrapolated(fine, coarse, share)
+    assert not found.not_alike
+    both = found.tree
     u, H = (paths_of(truth)["pull"][name] for name in ("u", "H"))
     errors = [
         np.abs(PchipInterpolator(each["u"], each["H"])(u) - H)[-1]
         for each in (paths_of(fine)["pull"], paths_of(both)["pull"])
     ]
     assert errors[1] < 0.5 * errors[0]
+
+
+def test_smaller_elements_at_the_tip_are_what_a_push_into_sand_needs() -> None:
+    """Error of V with them halved once, beside a finer section where they are halved twice.
+
+    One harmonic is all that an axisymmetric path has.
+    """
+    path = DOWN | {"vertical_displacement": 4e-3}
+
+    def tree(size: float, halvings: int, harmonics: int = 1) -> xr.DataTree:
+        mesh = {"refinement": size, "halvings": halvings, "harmonics": harmonics}
+        return compute(scene(paths=(path,), mesh=SERIES["mesh"] | mesh)).tree
+
+    truth = paths_of(tree(1.5, 2))["down"]["V"]
+    fine, coarse, halved = tree(1.0, 0, 3), tree(0.6, 0), tree(1.0, 1)
+    share = own_estimate.share_of(1.0 / 0.6, 2.0)
+    found = own_estimate.extrapolated(fine, coarse, share, halved=halved)
+    assert found.halved == ["down"]
+    other = own_estimate.extrapolated(fine, coarse, share).tree
+    change = float(truth[-1] - truth[0])
+    errors = [abs(float(paths_of(each)["down"]["V"][-1] - truth[-1]) / change) for each in (fine, other, found.tree)]
+    assert errors[2] < 0.5 * min(errors[:2])
 
 
 def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
@@ -158,11 +182,11 @@ def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
         own_estimate.extrapolated(*trees)
         for trees in ((richest, richer, share), (fine, coarse, share), (fine, coarse, share, richer))
     )
-    assert truth[2] == poorer[2] == added[2] == {}
-    ends = [float(paths_of(each[0])["slide"]["H"][-1]) for each in (truth, poorer, added)]
+    assert truth.without == poorer.without == added.without == {}
+    ends = [float(paths_of(each.tree)["slide"]["H"][-1]) for each in (truth, poorer, added)]
     assert ends[1] / ends[0] - 1.0 > 0.015
     assert abs(ends[2] / ends[0] - 1.0) < 0.003
-    springs = extract_springs(added[0])
+    springs = extract_springs(added.tree)
     assert max(map(abs, balance(springs["paths/slide"].to_dataset(inherit=False)).values())) < 1e-12
 
 
@@ -170,10 +194,28 @@ def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
     tree, shorter = found().tree, found().tree.copy(deep=True)
     for name in ("pull", "back"):
         shorter[f"paths/{name}"] = shorter[f"paths/{name}"].to_dataset(inherit=False).isel(step=slice(3))
-    _, without, _ = own_estimate.extrapolated(tree, shorter, 0.5)
+    without = own_estimate.extrapolated(tree, shorter, 0.5).not_alike
     assert "it stopped on the coarser mesh at" in without["pull"] and "load" in without
     del shorter["paths"]["down"]
-    assert "did not start" in own_estimate.extrapolated(tree, shorter, 0.5)[1]["down"]
+    assert "did not start" in own_estimate.extrapolated(tree, shorter, 0.5).not_alike["down"]
+
+
+def test_beyond_a_limit_load_the_difference_of_both_meshes_stays() -> None:
+    """The coarser path ends half way, 2 % above the finer one, which goes on and rises."""
+    tree = found().tree
+    own = paths_of(tree, of_mesh=True)["down"].recorded
+    half = own.sizes["step"] // 2
+    other = own.isel(step=slice(half + 1)).copy(deep=True)
+    for name in ("V", "t"):
+        other[name] = other[name] + 0.02 * (other[name] - other[name].isel(step=0))
+    other.attrs["status"] = "limit load"
+    ended = tree.copy(deep=True)
+    ended["paths/down"] = xr.DataTree(other)
+    better = paths_of(own_estimate.extrapolated(tree, ended, 0.5).tree)["down"]
+    np.testing.assert_allclose(better["w"], own["w"], rtol=1e-12)
+    added = own["V"] - better["V"]
+    np.testing.assert_allclose(added[: half + 1], 0.01 * (own["V"] - own["V"][0])[: half + 1], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(added[half:], float(added[half]), rtol=1e-9)
 
 
 def test_other_slices_keep_force_and_moment() -> None:

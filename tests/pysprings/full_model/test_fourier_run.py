@@ -22,6 +22,7 @@ from pysprings.full_model.fourier_collect import around, output_azimuths
 from pysprings.full_model.record import DEAD_LOAD
 from pysprings.full_model.work import make_engine
 from pysprings.model.contact import SURFACE
+from pysprings.model.forecast.resources import size_of
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
 from pysprings.model.stages import path_stages
 from pysprings.scene.model import Scene
@@ -105,6 +106,26 @@ def test_the_slot_of_the_skirt_holds_no_elements():
     inside = (centre[:, 0] > outer - thickness) & (centre[:, 0] < outer)
     assert (centre[inside, 1] > given.caisson.skirt_length).all()
     assert inside.any()
+
+
+@pytest.mark.parametrize("preset", ["coarse", "fine"])
+def test_halvings_add_lines_beside_the_skirt_and_move_none(preset):
+    """Twice: elements at walls and tip are a quarter in size, four stand across the tip for one; sums of areas stay."""
+    scene = tiny.sand(mesh={"discretisation": "fourier", "preset": preset})
+    whole, halved = (build_fourier(scene.replace(mesh={"halvings": times})) for times in (0, 2))
+    tip, radius = scene.caisson.skirt_length, 0.5 * scene.caisson.outer_diameter
+    for axis, at in ((0, radius), (0, radius - scene.caisson.skirt_thickness), (1, tip)):
+        before, after = (
+            np.unique(each.section.mesh.nodes[each.section.mesh.corners, axis]) for each in (whole, halved)
+        )
+        assert np.isin(before, after).all()
+        for side in (-1, 1):
+            gaps = [np.min(side * (levels - at)[side * (levels - at) > 1e-9]) for levels in (before, after)]
+            assert gaps[1] == pytest.approx(0.25 * gaps[0])
+    areas = [each.model.stations.area.sum() for each in (whole, halved)]
+    assert areas[1] == pytest.approx(areas[0], rel=1e-12)
+    assert size_of(scene.replace(mesh={"halvings": 2})).elements == halved.section.mesh.n_elements
+    assert scene.replace(mesh={"halvings": 0}).sha256 == scene.sha256 != scene.replace(mesh={"halvings": 1}).sha256
 
 
 @pytest.mark.parametrize(

@@ -72,6 +72,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
         # a series
         ('[mesh]\nazimuth = 12\ndiscretisation = "fourier"\n', "2:11: mesh.azimuth: counts bricks; a series has mesh.harmonics"),
         ("[mesh]\nharmonics = 3\ndiscretisation = 'hex8'\n", '2:13: mesh.harmonics: are those of discretisation = "fourier"'),
+        ("[mesh]\nhalvings = 1\ndiscretisation = 'hex8'\n", '2:12: mesh.halvings: are those of discretisation = "fourier"'),
         ('[mesh]\ndiscretisation = "fourier"\n[drainage]\nstabilisation = 0.5\n',
          "4:17: drainage.stabilisation: is one of bricks; pressures of a series need none"),
         # paths and layers
