@@ -384,7 +384,7 @@ class Mesh(Section):
     discretisation: Annotated[str, Choice((AUTO, *get_args(Discretisation)), _DISCRETISED)] = AUTO
     harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
     halvings: Annotated[
-        int, Count(0, MOST_HALVINGS, "times that the elements of a series beside skirt and tip are halved")
+        int, Count(0, MOST_HALVINGS, "times that elements beside skirt and tip are halved (series)")
     ] = 0
 
 

@@ -152,8 +152,8 @@ def _axes(path: xr.Dataset, name: str) -> tuple[str, ...]:
 def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     """Return reactions and free motions of a path of another mesh at the converged steps and the slices of the finer.
 
-    Beyond the end of a path at its limit load the difference of both stays as it is there. Raises NotAlike: the path did
-    not come as far there, or has no equal motion.
+    Beyond the end of a path at its limit load the difference of both stays as it is there.
+    Raises NotAlike: the path did not come as far there, or has no equal motion.
     """
     if path is None:
         raise NotAlike("it did not start on the coarser mesh")

@@ -165,8 +165,8 @@ def estimate(
 
     ``richer`` is the coarser mesh with more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of
     unknowns. ``extrapolated`` has the paths whose reactions are (`own_estimate`), and those that have the difference
-    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences. Of those
-    that are from ``halved`` elements beside the tip it is HALVED of what these change.
+    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences. It is
+    HALVED of what ``halved`` elements beside the tip change where a path is extrapolated from these.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
     fewer = _size(coarse) / _size(fine)
