@@ -97,15 +97,20 @@ def extrapolated(
     found = Extrapolated(fine.copy(deep=False))
     other, more, near = ({} if tree is None else paths_of(tree, of_mesh=True) for tree in (coarse, richer, halved))
     for name, path in paths_of(fine, of_mesh=True).items():
-        with suppress(NotAlike):
-            if name in near:
-                found.add(name, _path(path, -1.0 - share_of(2.0, _order_at_tip(path)), _beside(path, near[name])))
-                found.halved.append(name)
-                continue
+        cells, harmonics = None, None
         try:
-            cells, harmonics = _beside(path, other.get(name)), None
+            cells = _beside(path, other.get(name))
         except NotAlike as error:
             found.not_alike[name] = str(error)
+        with suppress(NotAlike):
+            if name in near:
+                whole = -1.0 - share_of(2.0, _order_at_tip(path))
+                halves = _from_rest(path, _beside(path, near[name]), cells, share / whole)
+                found.add(name, _path(path, whole, halves))
+                found.halved.append(name)
+                found.not_alike.pop(name, None)
+                continue
+        if cells is None:
             continue
         try:
             harmonics = None if richer is None else _beside(path, more.get(name))
@@ -175,6 +180,18 @@ def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
         values = fine.dataset[name].transpose(*_axes(own, name)).values
         found[name][..., beyond] += values[..., beyond] - _between(way, values, known[-1:])
     return found
+
+
+def _from_rest(fine: RecordedPath, halved: Reactions, coarse: Reactions | None, share: float) -> Reactions:
+    """Return reactions with halved elements, of which the change from rest counts: at rest a path is as all others are.
+
+    ``share`` of the difference from the coarser mesh at rest stands for that from halved elements.
+    """
+    for name, values in halved.items():
+        rest = fine.dataset[name].transpose(*_axes(fine.recorded, name)).values[..., :1]
+        other = rest if coarse is None else coarse[name][..., :1]
+        halved[name] = values - values[..., :1] + rest - share * (rest - other)
+    return halved
 
 
 def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -> xr.Dataset:
@@ -397,8 +414,8 @@ def _run(
     scene: Scene, key: int | None, into: dict[int | None, xr.DataTree],
 ) -> bool:  # fmt: skip
     """Run a scene on another mesh than its own and keep its result; return whether there is one."""
-    mesh = "elements halved at the tip" if into is companions.halved else "coarser mesh"
-    beside = mesh if key is None else f"{mesh}, {key} harmonics"
+    beside = "coarser mesh" if key is None else f"coarser mesh, {key} harmonics"
+    beside = "elements halved at the tip" if into is companions.halved else beside
 
     def report(at: str, share: float, text: str) -> None:
         if companions.late:

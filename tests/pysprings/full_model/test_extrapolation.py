@@ -118,11 +118,19 @@ def test_a_probe_is_extrapolated_at_equal_conjugate_displacement(angle: float) -
 def test_all_extrapolated_paths_begin_at_one_settlement() -> None:
     """That of the dead load, which both meshes have before a vertical path moves on."""
     caisson = tiny.scene().caisson.model_dump() | {"vertical_load": 1.2e6}
-    fine, coarse = (
-        compute(scene(paths=(PULL, DOWN), caisson=caisson, mesh=SERIES["mesh"] | {"refinement": size})).tree
-        for size in (0.6, 0.4)
+    fine, coarse, halved = (
+        compute(scene(paths=(PULL, DOWN), caisson=caisson, mesh=SERIES["mesh"] | mesh)).tree
+        for mesh in ({"refinement": 0.6}, {"refinement": 0.4}, {"refinement": 0.6, "halvings": 1})
     )
-    both = own_estimate.extrapolated(fine, coarse, 0.5).tree
+    near = own_estimate.extrapolated(fine, coarse, 0.5, halved=halved)
+    assert near.halved == ["pull", "down"]
+    for tree in (near.tree, own_estimate.extrapolated(fine, coarse, 0.5).tree):
+        starts_at_one_rest(fine, tree)
+    rest = [paths_of(each)["down"].dataset[["t", "V_tip", "V_lid", "w"]].isel(step=0) for each in (near.tree, tree)]
+    xr.testing.assert_allclose(*rest, rtol=1e-9, atol=1e-6)
+
+
+def starts_at_one_rest(fine: xr.DataTree, both: xr.DataTree) -> None:
     own, down, pull = paths_of(fine)["down"]["w"], paths_of(both)["down"]["w"], paths_of(both)["pull"]["w"]
     assert float(down[0]) == pytest.approx(float(pull[0]), rel=1e-9) and float(down[0]) != float(own[0])
     np.testing.assert_allclose(down - down[0], own - own[0], rtol=1e-6, atol=1e-12)
