@@ -233,7 +233,8 @@ def sections(draw: st.DrawFn) -> dict[str, object]:
         fields = {key: field_of(info) for key, info in SECTIONS[name].model_fields.items()}
         data[name] = draw(st.fixed_dictionaries({}, optional={key: values_of(field) for key, field in fields.items()}))
     mesh: dict[str, object] = data["mesh"]  # type: ignore[assignment]
-    mesh.pop("azimuth" if mesh.get("discretisation") == "fourier" else "harmonics", None)
+    for key in ("azimuth",) if mesh.get("discretisation") == "fourier" else ("harmonics", "halvings"):
+        mesh.pop(key, None)
     turn = draw(st.floats(1e-6, 0.5)) * draw(st.sampled_from([1, -1]))
     data["paths"] = [{"name": "p", "kind": "rotation", "rotation": turn, "report_at": [turn / 3, turn]}]
     return data
