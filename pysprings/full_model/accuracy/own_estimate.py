@@ -515,10 +515,10 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
         richer = given["richer"]
         vertical = {path.name for path in vertical_paths(scene)}  # axisymmetric
         whole = richer is not None and _names(coarse) - vertical <= _names(richer)  # a fan is corrected as a whole
-        given["halved"] = companions.halved.get(1)
-        made, given["extrapolated"] = _extrapolated(
-            scene, result, coarse, ratio, richer if whole else None, given["halved"]
-        )
+        halved = companions.halved.get(1)
+        made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio, richer if whole else None, halved)
+        changes = {} if halved is None else two_mesh.differences(result.tree, halved)
+        given["near"] = {name: each for name, each in changes.items() if name in given["extrapolated"]["halved"]}
     estimate = two_mesh.estimate(result.tree, coarse, **given)
     covered = given.get("extrapolated", {}).get("paths", ())
     stopped = {name: why for name, why in companions.stopped.items() if name not in covered}

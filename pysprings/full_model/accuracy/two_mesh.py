@@ -16,6 +16,7 @@ it in their reactions (`own_estimate`), LEFT of it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -159,23 +160,22 @@ def estimate(
     richer: xr.DataTree | None = None,
     ratio: float | None = None,
     extrapolated: Mapping[str, Any] | None = None,
-    halved: xr.DataTree | None = None,
+    near: Mapping[str, dict[str, float]] = MappingProxyType({}),
 ) -> dict[str, Any]:
     """Return the estimate from a result and that of the coarser mesh, as run.json keeps it (percent).
 
     ``richer`` is the coarser mesh with more harmonics. ``ratio`` is that of the cell sizes; None: from the numbers of
     unknowns. ``extrapolated`` has the paths whose reactions are (`own_estimate`), and those that have the difference
-    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences. It is
-    HALVED of what ``halved`` elements beside the tip change where a path is extrapolated from these.
+    of the harmonics: what is left of their errors are its shares `left` (`left_in`) and LEFT of the differences.
+    ``near`` has the differences to halved elements beside the tip, of paths that are extrapolated from these: HALVED of
+    it is left.
     """
     unknowns = [int(tree.attrs["n_unknowns"]) for tree in (fine, coarse)]
     fewer = _size(coarse) / _size(fine)
     if fewer < SMALLEST_RATIO:
         return missing(f"no mesh with fewer cells: {unknowns[1]} unknowns beside {unknowns[0]}")
     ratio = fewer if ratio is None else ratio
-    own, beyond = differences(fine, coarse), {} if richer is None else differences(richer, coarse)
-    near = (extrapolated or {}).get("halved", ())
-    own |= {} if halved is None else {name: each for name, each in differences(fine, halved).items() if name in near}
+    own, beyond = {**differences(fine, coarse), **near}, {} if richer is None else differences(richer, coarse)
     if not own:
         return missing("the runs have no path in common with two converged states")
     kind = str(fine.attrs.get("discretisation", BRICKS))
@@ -186,8 +186,7 @@ def estimate(
     if richer is not None and beyond:
         numbers = [int(tree.attrs["harmonics"]) for tree in (coarse, richer)]
         result |= {"method": "two meshes, two numbers of harmonics", "harmonics": numbers, "harmonics_pct": {}}
-    better: Sequence[str] = ()
-    left_of, least = dict[str, float](), dict[str, float]()
+    better, left_of, least = list[str](), dict[str, float](), dict[str, float]()
     if extrapolated is not None:
         better, left_of, least = extrapolated["paths"], extrapolated["left"], extrapolated.get("least", {})
         result |= {"extrapolated": dict(extrapolated)}

@@ -188,10 +188,11 @@ def test_the_load_of_a_vertical_path_is_stated_apart_and_is_no_less_than_meshes_
 def test_of_halved_elements_at_the_tip_half_of_what_they_change_is_left() -> None:
     """V of a push changes by 4 and by 1 %: 2 %, and the least that is stated; not the 20 % of the coarser mesh."""
     fine, coarse = pushed(9000, 1.0), pushed(3000, 1.2)
-    how: dict[str, Any] = {"paths": ["down"], "halved": ["down"], "order": 2.0, "left": {"vertical_max": 0.35}}
+    how: dict[str, Any] = {"paths": ["down"], "order": 2.0, "left": {"vertical_max": 0.35}}
     for factor, stated in ((0.96, 2.0), (0.99, 1.0)):
         given = how | {"least": two_mesh.LEAST_IN_SAND}
-        found = two_mesh.estimate(fine, coarse, extrapolated=given, halved=pushed(9500, factor))
+        near = two_mesh.differences(fine, pushed(9500, factor))
+        found = two_mesh.estimate(fine, coarse, extrapolated=given, near=near)
         assert found["estimate_pct"]["vertical_max"] == pytest.approx(stated)
 
 
