@@ -15,7 +15,7 @@ it in their reactions (`own_estimate`), LEFT of it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
