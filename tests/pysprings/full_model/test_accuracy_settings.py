@@ -16,7 +16,13 @@ from pysprings.core.errors import ResourceError, UserInputError
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import target, two_mesh
 from pysprings.full_model.accuracy.measures import SLICES, cell_size
-from pysprings.full_model.accuracy.own_estimate import SHARE, companions_of, estimates_by_default, with_estimate
+from pysprings.full_model.accuracy.own_estimate import (
+    SHARE,
+    companions_of,
+    estimates_by_default,
+    vertical_paths,
+    with_estimate,
+)
 from pysprings.full_model.accuracy.presets import BETWEEN, LINEAR, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
@@ -267,6 +273,8 @@ def test_harmonics_grow_until_two_more_change_little(
     spans[:] = [SHARE]
     assert companions_of(given, compute).harmonics == 3
     assert scene_to_run(given, harmonics=9) is given
+    assert [path.name for path in vertical_paths(scene)] == ["down", "up"]
+    assert not vertical_paths(scene.replace(mesh={"halvings": 4}))  # no more are allowed
     assert estimates_by_default(scene) and not estimates_by_default(tiny.paper())
 
 

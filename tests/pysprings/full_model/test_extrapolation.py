@@ -208,6 +208,19 @@ def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
     assert "did not start" in own_estimate.extrapolated(tree, shorter, 0.5).not_alike["down"]
 
 
+@pytest.mark.parametrize(("sign", "added"), [(1.0, 2.0), (-1.0, 4.0 / 3.0)])
+def test_a_push_is_of_first_and_a_pull_of_second_order_in_the_elements_at_the_tip(sign: float, added: float) -> None:
+    """Halved elements change V by 2 % of its way from rest: 1 + 1/(2^o - 1) times that is added."""
+    tree = found().tree.copy(deep=True)
+    down = tree["paths/down"]
+    down["w"] = down["w"][0] + sign * (down["w"] - down["w"][0])
+    halved = tree.copy(deep=True)
+    change = 0.02 * (down["V"] - down["V"][0])
+    halved["paths/down"]["V"] = down["V"] + change
+    better = paths_of(own_estimate.extrapolated(tree, tree, 0.5, halved=halved).tree)["down"]["V"]
+    np.testing.assert_allclose(better - down["V"], added * change, rtol=1e-6, atol=1e-3)
+
+
 def test_beyond_a_limit_load_the_difference_of_both_meshes_stays() -> None:
     """The coarser path ends half way, 2 % above the finer one, which goes on and rises."""
     tree = found().tree
