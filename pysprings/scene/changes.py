@@ -54,7 +54,7 @@ def _value(text: str) -> Any:
 
 def applied(data: dict[str, Any], changes: Sequence[Change]) -> list[tuple[str | int, ...]]:
     """Put changes into the data of a scene file; return their places there. Raises UserInputError."""
-    places = []
+    places = list[tuple[str | int, ...]]()
     for change in changes:
         table: Any = data
         place: list[str | int] = []
@@ -68,8 +68,11 @@ def applied(data: dict[str, Any], changes: Sequence[Change]) -> list[tuple[str |
                 place.append(key)
         if not isinstance(table, dict):
             raise _refused(change, "is a list: name one of its tables, and a key of it")
+        own = (*place, change.keys[-1])
+        if any(own[: len(each)] == each[: len(own)] for each in places):
+            raise _refused(change, "has a value already: each key takes one, from --set, an option or an axis")
         table[change.keys[-1]] = change.value
-        places.append((*place, change.keys[-1]))
+        places.append(own)
     return places
 
 

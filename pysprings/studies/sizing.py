@@ -22,7 +22,7 @@ from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.fan_springs import BAND
 from pysprings.results.look import BLUE, GREY, VERMILLION
-from pysprings.scene.changes import Change, vertical_load
+from pysprings.scene.changes import VERTICAL_LOAD, Change, vertical_load
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
@@ -210,9 +210,11 @@ def scenes_of(atlas: Atlas, wanted: Wanted, D: float, L: float) -> list[tuple[Sc
     """Return the scene of each vertical load of the cases for a caisson, with the rows of its cases."""
     found = []
     for V in np.unique(wanted.cases.V):  # of NaN one
-        own = () if np.isnan(V) else (vertical_load(float(V)),)
-        rows = np.flatnonzero(np.isnan(wanted.cases.V) if np.isnan(V) else wanted.cases.V == V)
-        found.append((atlas.scene(D, L, (*wanted.changes, *own)), rows))
+        changes, rows = list(wanted.changes), np.flatnonzero(np.isnan(wanted.cases.V))
+        if not np.isnan(V):
+            changes = [each for each in changes if atlas.named(each).keys != VERTICAL_LOAD]
+            changes, rows = [*changes, vertical_load(float(V))], np.flatnonzero(wanted.cases.V == V)
+        found.append((atlas.scene(D, L, changes), rows))
     return found
 
 

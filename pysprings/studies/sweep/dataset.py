@@ -349,9 +349,9 @@ def _usable(study: Study) -> Iterable[Case]:
 
 
 def _path_names(study: Study) -> tuple[str, ...]:
-    """Return the names of the paths of the first case that has springs."""
-    first = next(iter(_usable(study)), None)
-    return () if first is None else tuple(path.name for path in study.plan.scene_of(first).load_paths)
+    """Return the names of the paths of all cases that have springs."""
+    scenes = (study.plan.scene_of(case) for case in _usable(study))
+    return tuple(dict.fromkeys(path.name for scene in scenes for path in scene.load_paths))
 
 
 def _write(study: Study, file: Path, paths: tuple[str, ...]) -> None:

@@ -152,6 +152,8 @@ def test_every_load_case_is_answered_at_its_own_vertical_load(loaded):
         at = replace(loaded.wanted, cases=alone, changes=tuple(read_changes([f"V={V}"])))
         own = answered(loaded.atlas, at, 8.0, 9.0)
         pd.testing.assert_series_equal(found.loc[row], own.loc[row])
+    other = replace(loaded.wanted, changes=tuple(read_changes(["V=2.5 MN"])))
+    pd.testing.assert_frame_equal(answered(loaded.atlas, other, 8.0, 9.0), found)
     assert len(scenes_of(loaded.atlas, loaded.wanted, 8.0, 9.0)) == 2
 
 
@@ -194,6 +196,13 @@ def test_remarks_name_the_vertical_load_that_cases_do_not_give_and_what_is_not_j
     assert texts[-1].startswith("the full model confirms the tilt, not the utilisation, on mesh 'coarse'")
     inside = Candidate(8.0, 6.0, 1e5, 0.9, "extreme: tilt", True)
     assert remarks_on(replace(loaded, tried=[]), inside, False) == []
+
+
+def test_a_size_that_is_given_is_no_size_to_be_found(search):
+    """It had no effect, and no message."""
+    own = (*search.wanted.changes, *read_changes(["caisson.outer_diameter=4 m"]))
+    with pytest.raises(UserInputError, match="outer_diameter: has a value already"):
+        Search(search.atlas, replace(search.wanted, changes=own)).least()
 
 
 def test_a_use_that_is_not_known_is_blank():

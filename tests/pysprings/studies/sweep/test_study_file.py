@@ -168,6 +168,16 @@ def test_values_of_a_table_that_the_scene_refuses_stand_at_their_row(study):
     assert below[0] == 6
 
 
+@pytest.mark.parametrize("other", ["soil.young_modulus", "soil"])
+def test_a_value_has_one_axis(study, other):
+    """Of two the last would count, under the values of both."""
+    found = refusals(study, f'{GRID}\n[[axis]]\nkey = "{other}"\nname = "other"\nvalues = ["50 MPa"]\n')
+    assert found and all("has a value already: each key takes one" in message for _, _, message in found)
+    mine = "soil.young_modulus [MPa],soil.young_modulus [kPa]\n80,90\n"
+    with pytest.raises(UserInputError, match="soil.young_modulus"):
+        study('scene = "base.toml"\ncases = "mine.csv"\n', mine=mine).hashes()
+
+
 def test_unknown_keys_of_the_scene_are_refused(study):
     (line, _, message), *_ = refusals(study, GRID.replace("soil.young_modulus", "soil.young_modulu"))
     assert line == 5 and "did you mean 'young_modulus'" in message

@@ -127,6 +127,22 @@ def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path):
     assert worker.read_ended(folder) is None
 
 
+def test_paths_of_some_cases_alone_are_in_the_dataset(tmp_path):
+    axis = '[[axis]]\nkey = "springs.vertical"\nvalues = [false, true]\n'
+    make(tmp_path)
+    fan = {"reach": 0.5e-3, "rays": (0.0,), "held_back": False}
+    tiny.write(tiny.scene(springs=fan, paths=()), tmp_path / "base.toml")
+    (tmp_path / "study.toml").write_text(f'scene = "base.toml"\n{axis}', encoding="utf-8")
+    planned = study.planned(read_study(tmp_path / "study.toml"), tmp_path / "out")
+    run_here(planned)
+    dataset.write_study(planned)
+    with dataset.open_study(planned.out) as data:
+        down = data["V_largest"].sel(path="down")
+        assert list(data["path"].values) == ["ray_0", "down", "up"]
+        own = Springs.of(open_springs(planned.folder(2) / "springs.nc")).paths["down"]
+        assert np.isnan(down[0]) and float(down[1]) == pytest.approx(own["V"].max(), rel=1e-6)
+
+
 def test_springs_of_the_common_grid_sum_to_the_load(ended):
     with dataset.open_study(ended.out) as data:
         case = data.sel(young_modulus=100.0, mu=0.5, path="pull")
