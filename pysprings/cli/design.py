@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pysprings.cli.options import Json, SpringSet, argument, option
+from pysprings.cli.options import Json, Rate, SpringSet, argument, option
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def design(
         str | None,
         option("--joint", 'rotational stiffness of each joint, e.g. "2 GN m/rad"; rigid by default', "STIFFNESS"),
     ] = None,
+    rate: Rate = None,
     spring_set: SpringSet = None,
     path: Annotated[str | None, option("--path", "load path whose springs answer (full, py)", "NAME")] = None,
     as_json: Json = False,
@@ -79,7 +80,7 @@ def design(
             return files.answer_cases(springs, read, tolerance, extrapolate, **more)
         return answer_group(springs, read, placed, tolerance, extrapolate, **more)
 
-    answers, table, springs = _answers(result, strict, answer)
+    answers, table, springs = _answers(result, strict, rate, answer)
     if strict and not text.is_fine(table):
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
@@ -147,7 +148,7 @@ def cases_of(result: Path) -> Path:
 
 
 def _answers(
-    result: Path, strict: bool, answer: Callable[[AnySprings], pd.DataFrame]
+    result: Path, strict: bool, rate: float | None, answer: Callable[[AnySprings], pd.DataFrame]
 ) -> tuple[pd.DataFrame, pd.DataFrame, AnySprings | None]:
     """Return all answers, those that govern (of several estimates the largest over them), and the springs of one."""
     from pysprings.cli.inputs import springs_or_table
@@ -156,7 +157,7 @@ def _answers(
     from pysprings.studies.design import governing
 
     sets = all_folders_of(result)
-    opened = {name: springs_or_table(place, None, strict) for name, place in (sets or {"": result}).items()}
+    opened = {name: springs_or_table(place, None, strict, rate) for name, place in (sets or {"": result}).items()}
     tables = {name: answer(springs) for name, springs in opened.items()}
     if not sets:
         return tables[""], tables[""], opened[""]

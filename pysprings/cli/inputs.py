@@ -99,13 +99,27 @@ def refuse_estimates(result: Path) -> None:
         refuse(None, f"holds the estimates {', '.join(found)}: name the folder of one of them", result)
 
 
-def springs_or_table(source: Path, skirt_length: float | None, strict: bool = False) -> AnySprings:
-    """Open the springs of a prediction: as `springs_of` does, or from a user's CSV or Excel table."""
+def springs_or_table(
+    source: Path, skirt_length: float | None, strict: bool = False, rate: float | None = None
+) -> AnySprings:
+    """Open the springs of a prediction: as `springs_of` does, or from a user's CSV or Excel table.
+
+    rate : that of the springs [m/s, of rho]; None: all that there are.
+    """
     from pysprings.core.tables import ENDINGS, is_table
     from pysprings.results.tables import open_table
 
+    if rate is not None and rate <= 0.0:
+        refuse("--rate", f"{1e3 * rate:g} mm/s is not positive")
     if is_table(source) and not source.is_dir():
+        if rate is not None:
+            refuse("--rate", "a table has no rates")
         return open_table(source, skirt_length)
     if skirt_length is not None:
         refuse("--skirt-length", f"is for tables ({', '.join(ENDINGS[:2])}); a spring file has it", source)
-    return springs_of(source, strict)
+    springs = springs_of(source, strict)
+    if rate is None:
+        return springs
+    from pysprings.springs.springs import Springs
+
+    return Springs.of(springs).at_rate(rate)

@@ -105,4 +105,8 @@ SpringSet = Annotated[
         _SETS,
     ),
 ]
+Rate = Annotated[
+    float | None,
+    quantity("--rate", "m/s", "0.1 mm/s", "of rho = |(u, rotation*L)|, for springs from several rates"),
+]
 OneSpringSet = Annotated[str | None, named("--springs", SPRING_SETS, "only these springs \\[default: all]", _SETS)]

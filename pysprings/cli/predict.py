@@ -12,7 +12,7 @@ import typer
 
 from pysprings.cli.atlas import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
 from pysprings.cli.inputs import springs_or_table
-from pysprings.cli.options import Changes, Json, SpringSet, argument, option, quantity
+from pysprings.cli.options import Changes, Json, Rate, SpringSet, argument, option, quantity
 from pysprings.cli.support import print_json, refuse, to_stderr
 
 if TYPE_CHECKING:
@@ -130,10 +130,7 @@ def predict(
     extrapolate: Annotated[
         bool, option("--extrapolate", "answer beyond the calibrated range of the springs, marked")
     ] = False,
-    rate: Annotated[
-        float | None,
-        quantity("--rate", "m/s", "0.1 mm/s", "of rho = |(u, rotation*L)|, for springs from several rates"),
-    ] = None,
+    rate: Rate = None,
     stiffness: Annotated[
         bool,
         option("--stiffness", "also the stiffness of the springs at each state, and the full model's initial one, 6x6"),
@@ -176,7 +173,7 @@ def predict(
         refuse_without_atlas({"--D": diameter, "--L": length, "--set": changes, "--save-springs": save_springs})
         if result is None:
             refuse("SPRINGS", "missing: springs.nc, the folder of a run, a p-y table, or --atlas")
-        springs = _at_rate(springs_or_table(result, question.skirt_length, strict), question.rate)
+        springs = springs_or_table(result, question.skirt_length, strict, question.rate)
     asking: Asking = {"springs_kind": spring_set, "path": path, "strict": strict, "extrapolate": extrapolate}
     states = answer(springs, question, asking)
     form: Form = {"secant": secant, "symmetric": symmetric}
@@ -325,20 +322,6 @@ def _tilted(springs: AnySprings, question: Question, common: Mapping[str, Any]) 
     way = -1.0 if turn < 0.0 else 1.0
     states = predict.way_to_motion(model, rotation=way * abs(question.tilt), arm=arm, V=question.V, **care)
     return states.isel(step=[-1])
-
-
-def _at_rate(springs: AnySprings, rate: float | None) -> AnySprings:
-    """Return the springs at a rate [m/s]; as they are without one."""
-    if rate is None:
-        return springs
-    from pysprings.macro.curve_table import CurveSprings
-    from pysprings.springs.springs import Springs
-
-    if isinstance(springs, CurveSprings):
-        refuse("--rate", "a table has no rates")
-    if rate <= 0.0:
-        refuse("--rate", f"{1e3 * rate:g} mm/s is not positive")
-    return Springs.of(springs).at_rate(rate)
 
 
 def _matrices(

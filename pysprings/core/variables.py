@@ -339,7 +339,7 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       required=False),
     V("time", "time", "s", ("step",), required=False),
     V("off_rate", "1 where the step is faster or slower than the rate of the springs", "1", ("step",),
-      "more than sqrt(10) times", required=False),
+      "more than sqrt(10) times; or vertical springs of such a rate carry V", required=False),
     *(V(f"{name}_deviation", f"standard deviation of {name}", _BODY[name].units, ("step",), _DEVIATION, required=False)
       for name in ("u", "rotation", "H", "M")),
     _SPRINGS_ROOT["dof"], _SPRINGS_ROOT["dof_conjugate"],

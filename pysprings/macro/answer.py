@@ -87,6 +87,8 @@ def _timed(model: MacroModel, answer: xr.Dataset, states: Array, time: Array) ->
     """Return an answer with the times (n,) [s] of its states, and marks of steps at another rate, from rest at 0 s."""
     values, warnings = rate_marks(model.rate, np.diff(states * [1.0, model.length], axis=0, prepend=0.0), time)
     known = variables.GROUPS["prediction"]
+    if "off_rate" in values and "off_rate" in answer:  # of V
+        values["off_rate"] = values["off_rate"] | answer["off_rate"].values
     described = {name: ("step", each, known[name].attributes()) for name, each in values.items()}
     return answer.assign(described).assign_attrs(warnings=[*answer.attrs["warnings"], *warnings])
 

@@ -21,7 +21,7 @@ from pysprings.macro.response import Response, RowSprings
 from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
 from pysprings.macro.vertical import VerticalTable, build_vertical
 from pysprings.macro.ways import Control
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, is_rate
 from pysprings.springs.path_ends import UNKNOWN, PathEnd
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
@@ -92,7 +92,7 @@ class MacroModel:
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}
         rate = _rate_of(chosen, response)
-        remarks = tuple(_remarks(chosen, spring_set, response, ends, rate))
+        remarks = tuple(_remarks(chosen, spring_set, response, ends, rate_words(rate, vertical)))
         return cls(
             response, spring_set.name, chosen.stiffness, attrs, remarks, vertical, settled, ends,
             elastic_loads(given), tuple(chosen.paths[name] for name in response.sources), rate, given,
@@ -207,7 +207,7 @@ class MacroModel:
 
 
 def _remarks(
-    springs: Springs, chosen: SpringSet, response: Response, ends: Mapping[str, PathEnd], rate: float | None
+    springs: Springs, chosen: SpringSet, response: Response, ends: Mapping[str, PathEnd], of_rate: list[str]
 ) -> Iterator[str]:
     """Yield the sentences that go with every answer."""
     if chosen.remark:
@@ -215,14 +215,23 @@ def _remarks(
     if springs.stiffness is None:
         yield NO_VERTICAL
     yield from response.remarks
-    if rate:
-        yield AT_RATE.format(1e3 * rate)
+    yield from of_rate
     if (loads := springs.blended_loads) and not close_loads(np.array(loads), response.origin.load).any():
         span = " and ".join(number(1e-6 * V) for V in loads)
         yield f"V is between the springs at {span} MN, more than 10 % from both: interpolated"
     yield from springs.atlas_words
     if springs.of_full_model and any(ends[name].how == UNKNOWN for name in response.sources):
         yield NO_ENDS
+
+
+def rate_words(rate: float | None, vertical: VerticalTable | None) -> list[str]:
+    """Return the sentences on the rates [m/s] of lateral springs (None: they depend on none) and of vertical ones."""
+    if rate is None:
+        return []
+    paces = {each.rate for each in (vertical.branches if vertical else ()) if each.rate}
+    others = dict.fromkeys(number(1e3 * pace) for pace in sorted(paces) if not is_rate(pace, rate))
+    apart = f"vertical springs, w and the largest V are those of {', '.join(others)} mm/s (of w)"
+    return [AT_RATE.format(1e3 * rate), *[apart] * bool(others)]
 
 
 def _rate_of(springs: Springs, response: Response) -> float | None:

@@ -44,6 +44,7 @@ class Branch:
     sign : 1 downwards, -1 upwards.
     x : (k,) knots [m], 0 first.
     r, slope : (rows, k) reactions [N/m, N] and dr/dx.
+    rate : that of w [m/s]; None where the path has no time.
     """
 
     path: str
@@ -51,6 +52,7 @@ class Branch:
     x: Array
     r: Array
     slope: Array
+    rate: float | None = None
 
     @property
     def end(self) -> tuple[float, float]:
@@ -260,4 +262,4 @@ def _branch(path: SpringPath, sign: float, stiffness: float | None) -> Branch:
     secant = (rows[:, 1] - rows[:, 0]) / x[1]
     first = secant if stiffness is None else initial_slopes(secant, b, np.array([sign * stiffness]))
     slope = secant_slopes(x, rows, first)
-    return Branch(path.name, sign, x, np.vstack([rows, b.T @ rows]), np.vstack([slope, b.T @ slope]))
+    return Branch(path.name, sign, x, np.vstack([rows, b.T @ rows]), np.vstack([slope, b.T @ slope]), path.rate)

@@ -21,9 +21,10 @@ from pysprings.core.words import RANGE_END
 from pysprings.macro.model import MacroModel
 from pysprings.macro.response import list_of, other_load
 from pysprings.macro.vertical import FLAT, Branch, VerticalTable, covered, share_left
-from pysprings.springs.path import SpringPath
+from pysprings.springs.path import SpringPath, off_rate
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
+OTHER_RATE = "V is carried by vertical springs of another rate"
 # A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
 SLACK = 1e-6
 
@@ -83,7 +84,7 @@ def vertical_answer(
     response = model.response
     w = w + response.settled(model.vertical, imposed, model.settled)
     if imposed is None:
-        return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
+        return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)} | _other_rate(model, V, False))
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
     rest = response.rest[1]
@@ -106,17 +107,31 @@ def vertical_answer(
         )
     there = response.settle(model.vertical, down)
     used, alone = there[2], there[-1]
+    timed = _other_rate(model, down, other)
     return Down(
-        marks | {"w": w + there[0] - model.vertical.displacements(V)[0]},
+        marks | timed | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
         [
             f"{note}{_left(model.vertical, down[far & moved], own[far & moved])}"
             for note in response.lacks_notes(down, moved)
-        ],
+        ]
+        + [OTHER_RATE] * any(marks.any() for marks in timed.values()),
         beyond_springs(model, down, alone),
         no_equilibrium(model, down[np.isnan(alone)]),
     )
+
+
+def _other_rate(model: MacroModel, V: Array, other: Marks | bool) -> dict[str, Array]:
+    """Return the mark of V (n,) [N], where they are other than that at rest, whose vertical path has another rate.
+
+    Nothing where the springs have no rate, or no vertical paths.
+    """
+    if model.rate is None or model.vertical is None:
+        return {}
+    found = [model.vertical.branch(each - model.vertical.rest[1]) for each in V]
+    rates = np.array([(branch and branch.rate) or 0.0 for branch in found])
+    return {"off_rate": (off_rate(model.rate, rates, np.ones(V.size)) & other).astype(np.int8)}
 
 
 def _left(table: VerticalTable, V: Array, own: Array) -> str:
@@ -194,7 +209,8 @@ def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
         return largest, f"{LIMIT_LOAD} of the full model", f"path '{branch.path}' {end.words}"
     stopped = end is not None and end.failed
     kind = "limit load of the springs" if _is_flat(branch) and not stopped else RANGE_END
-    source = f"path '{branch.path}', at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
+    pace = f" ({1e3 * branch.rate:.3g} mm/s)" if branch.rate and model.rate else ""
+    source = f"path '{branch.path}'{pace}, at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
     return largest, kind, f"{source}; it stopped: {end.why}" if end is not None and stopped else source
 
 

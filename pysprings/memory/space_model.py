@@ -25,7 +25,7 @@ from pysprings.macro.answer import rate_marks
 from pysprings.macro.capacity import past_limits
 from pysprings.macro.fan import WIDEST
 from pysprings.macro.fan_springs import sector_notes
-from pysprings.macro.model import AT_RATE, elastic_loads
+from pysprings.macro.model import elastic_loads, rate_words
 from pysprings.macro.solver import Drive
 from pysprings.macro.space import SpaceControl
 from pysprings.macro.vertical import VerticalTable, build_vertical, covered
@@ -314,7 +314,7 @@ class SpaceSprings:
             "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
             "beyond_range": beyond, "refusals": self._refusals(targets[: n + 1] if control == "load" else pushes, V),
-            "remarks": [HEAVE.format(own), *([AT_RATE.format(1e3 * self.rate)] if self.rate else [])],
+            "remarks": [HEAVE.format(own), *rate_words(self.rate, self.vertical)],
         }  # fmt: skip
         p = dict(zip(("p_x", "p_y"), self.reactions(way)[:, :, ends], strict=True))
         p["depth_bounds"] = self.origin["depth_bounds"]

@@ -130,16 +130,21 @@ def _vertical(run: Run) -> str:
 
     if run.springs is None:
         return ""
+    springs = Springs.of(run.springs)
+    rates = springs.rate_sets  # the vertical springs are the same at all
     try:
-        model = MacroModel.from_springs(run.springs)
-    except PyspringsError:  # of several rates: none is asked for
+        model = MacroModel.from_springs(springs.at_rate(rates[0].rate) if len(rates) > 1 else springs)
+    except PyspringsError:  # no lateral springs
         return ""
     known = [(word, *largest_vertical(model, sign)) for word, sign in (("push", 1.0), ("pull", -1.0))]
     parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
     used = float(vertical_use(model, np.array([model.rest_load]))["utilisation_V"][0])
     share = f", {100.0 * used:.3g} % used" if math.isfinite(used) else ""
-    sets = [f"{1e-6 * each.V:.4g}" for each in Springs.of(run.springs).load_sets]
+    sets = [f"{1e-6 * each.V:.4g}" for each in springs.load_sets]
     at = f"; lateral springs at V {', '.join(sets)} MN" if len(sets) > 1 else ""
+    branches = model.vertical.branches if model.vertical and model.rate else ()
+    paces = dict.fromkeys(number(1e3 * each.rate) for each in branches if each.rate)
+    at += f"; vertical paths at {', '.join(paces)} mm/s" if paces else ""
     return f"V {1e-6 * model.rest_load:.4g} MN at rest{share}; largest known: {', '.join(parts)}{at}" if parts else ""
 
 

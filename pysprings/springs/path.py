@@ -251,10 +251,13 @@ class RecordedPath:
     def rate(self) -> float | None:
         """Rate rho/t at the end [m/s], rho = |(u, rotation*length)|; None where the path has no time.
 
-        Of a path that turns back it is the mean over the way that it has come: a rest does not count.
+        Of a path that turns back it is the mean over the way that it has come: a rest does not count. Of a vertical
+        path it is that of w.
         """
         if "time" not in self or not float(self["time"][-1]) > 0.0:
             return None
+        if self.is_vertical:
+            return abs(float(self.w[-1] - self.w[0])) / float(self["time"][-1]) or None
         rho = float(np.hypot(self.u[-1], float(self.rotation[-1]) * self.length))
         if self.turns_back:
             ways, times = np.hypot(np.diff(self.u), np.diff(self.turn)), np.diff(self["time"])

@@ -41,6 +41,7 @@ MARKS = {
     "extrapolated": "beyond the calibrated range",
     "off_path": "off the calibrated paths",
     "off_load": "V not covered by the lateral springs",
+    "off_rate": "V carried by vertical springs of another rate",
     "past_peak": "beyond the peak of a spring that softens",
     "unchecked": "beyond the held-back paths out of one plane",
     "torsion_apart": "torsion beside lateral loads: springs of both apart, motions too small, the twist by a factor",

@@ -18,6 +18,7 @@ from pysprings.results.folder import run_to_folder
 from pysprings.results.summary import _vertical, summary
 from tests.support import tiny, winkler
 from tests.support.fans import fan_springs, potential
+from tests.support.rates import with_vertical
 from tests.support.vertical import fan_with_vertical
 
 
@@ -147,6 +148,8 @@ def test_vertical_loads_stand_in_the_summary() -> None:
     share, push = (float(found) for found in re.findall(r", ([\d.]+) % used; largest known: push ([\d.]+) MN", text)[0])
     assert share == pytest.approx(200.0 / push, rel=1e-2)
     assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""
+    at_rates = _vertical(SimpleNamespace(springs=with_vertical(1e-5)))  # no rate is asked for: they are the same at all
+    assert at_rates.startswith("V 2 MN at rest, ") and at_rates.endswith("; vertical paths at 0.01 mm/s")
 
 
 def test_a_path_that_turns_back_gives_the_load_at_which_it_first_has_the_tilt(folder: Path) -> None:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Springs at a rate between those of the runs they come from."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -8,40 +9,24 @@ import pytest
 import xarray as xr
 
 from pysprings.core.errors import UserInputError
+from pysprings.macro.answer import MacroWarning
+from pysprings.macro.batch import predict_batch
 from pysprings.macro.comparison import compare, merge_slices
 from pysprings.macro.model import MacroModel, spring_sets
+from pysprings.macro.predict import sequence
+from pysprings.macro.vertical_answer import with_vertical_use
 from pysprings.results import exporters
+from pysprings.springs.checks import save_springs
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.path_sets import blend
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
 from tests.support import synthetic, wet
+from tests.support.commands import command
+from tests.support.rates import at_two_rates, with_vertical
+from tests.support.vertical import RAYS, REST
 
 LENGTH = 4.0
-RAYS = [
-    synthetic.Path("slide", "translation", size=1e-2, steps=12),
-    synthetic.Path("turn", "rotation", size=-2e-3, steps=12),
-]
-
-
-def at_two_rates(stronger: float = 1.2, speeds: tuple[float, ...] = (1e-5, 1e-3)) -> xr.DataTree:
-    """Two rays, each once at a slow and once at a fast rate (m/s of rho), where all reactions change more."""
-    base = synthetic.make_springs(RAYS)
-    groups: dict[str, xr.Dataset] = {"/": base.to_dataset(inherit=False)}
-    groups["/"].attrs = {**base.attrs, "drainage": "coupled"}
-    for number, speed in enumerate(speeds):
-        for name in paths_of(base):
-            path = base[f"paths/{name}"].to_dataset(inherit=False).copy(deep=True)
-            rho = np.hypot(path["u"], path["rotation"] * LENGTH)
-            path["time"] = ("step", (rho / speed).values, base[f"paths/{name}/V"].attrs | {"units": "s"})
-            path["time"].attrs = {"long_name": "time", "units": "s"}
-            scaled = "p p_component m t H V M H_tip V_tip M_tip H_lid V_lid M_lid"
-            for variable in scaled.split():
-                start = path[variable].isel(step=0)  # the state at rest is the same
-                path[variable] = (start + (path[variable] - start) * stronger**number).transpose(*path[variable].dims)
-                path[variable].attrs = base[f"paths/{name}/{variable}"].attrs
-            groups[f"/paths/{name}{number}"] = path
-    return xr.DataTree.from_dict(groups)
 
 
 def test_merged_slices_are_answered_at_a_rate() -> None:
@@ -191,3 +176,44 @@ def test_a_rest_does_not_change_the_rate_of_a_path() -> None:
     later = np.where(np.arange(path.n + 1) > turn, 3600.0, 0.0)
     rested = rested.assign(time=("step", rested["time"].values + later))
     assert SpringPath("rested", rested.assign_attrs(path.attrs), LENGTH).rate == pytest.approx(wet.RATE, rel=1e-9)
+
+
+# --- vertical springs, which have a rate of their own ---
+
+CASES = "name,H [kN],arm [m],V [MN]\nat rest,100,2,2\npushed,100,2,2.5\npulled,0,0,-0.2\n"
+
+
+@pytest.mark.parametrize(("rate", "marks"), [(1e-5, [0, 0, 0]), (2.5e-5, [0, 0, 0]), (1e-3, [0, 1, 1])])
+def test_a_vertical_load_on_springs_of_another_rate_is_marked(rate: float, marks: list[int]) -> None:
+    """From half a decade on, row by row; within 5 % nothing is said."""
+    springs = Springs.of(with_vertical(1e-5)).at_rate(rate)
+    answers = predict_batch(springs, H=1e5, arm=2.0, V=np.array([REST, 1.2 * REST, -0.1 * REST]))
+    assert answers["off_rate"].values.tolist() == marks
+    assert predict_batch(springs, H=1e5, arm=2.0)["off_rate"].values.tolist() == [0]
+    words = [text for text in answers.attrs["remarks"] if "vertical springs, w and the largest V are those of" in text]
+    assert [text.split("those of ")[1] for text in words] == ["0.01 mm/s (of w)"] * (rate > 1e-5)
+    one = with_vertical_use(MacroModel.from_springs(springs), answers.rename(case="step"))
+    assert one.attrs["capacity_V_from"].startswith("path 'up' (0.01 mm/s), at")
+
+
+def test_a_step_at_its_rate_keeps_the_mark_of_its_vertical_load() -> None:
+    springs = Springs.of(with_vertical(1e-5)).at_rate(1e-3)
+    motions, loads = np.array([[1e-3, 0.0], [2e-3, 0.0]]), np.array([REST, 1.05 * REST])
+    with pytest.warns(MacroWarning, match="vertical springs of another rate"):
+        answer = sequence(springs, motions, control="state", V=loads, time=np.array([1.0, 2.0]))
+    assert answer["off_rate"].values.tolist() == [0, 1]
+
+
+def test_load_cases_are_answered_at_a_rate(tmp_path: Path) -> None:
+    (cases := tmp_path / "cases.csv").write_text(CASES)
+    save_springs(with_vertical(1e-5), file := tmp_path / "springs.nc")
+    refused = command("design", file, cases)
+    assert refused.code == 2 and "several rates (0.01, 1 mm/s, of rho): give one" in refused.err
+    fast, slow = (
+        json.loads(command("design", file, cases, "--rate", rate, "--json").out)["cases"]
+        for rate in ("1 mm/s", "0.01 mm/s")
+    )
+    assert fast[0]["u_m"] < slow[0]["u_m"]
+    words = "V carried by vertical springs of another rate"
+    assert [words in row["marks"] for row in fast] == [False, True, True] and words not in str(slow)
+    assert (fast[2]["verdict"], slow[2]["verdict"]) == ("supported in part", "ok")
