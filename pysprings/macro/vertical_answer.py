@@ -122,7 +122,7 @@ def vertical_answer(
     )
 
 
-def _other_rate(model: MacroModel, V: Array, other: Marks | bool) -> dict[str, Array]:
+def _other_rate(model: MacroModel, V: Array, other: Marks | bool) -> dict[str, Any]:
     """Return the mark of V (n,) [N], where they are other than that at rest, whose vertical path has another rate.
 
     Nothing where the springs have no rate, or no vertical paths.
