@@ -84,7 +84,7 @@ def vertical_answer(
     response = model.response
     w = w + response.settled(model.vertical, imposed, model.settled)
     if imposed is None:
-        return Down({"w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)} | _other_rate(model, V, False))
+        return Down({**_other_rate(model, V, False), "w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
     other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
     rest = response.rest[1]
