@@ -16,6 +16,7 @@ from pysprings.core.words import NOT_KNOWN
 from pysprings.macro.answer import Way, answer_dataset
 from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components
+from pysprings.macro.fan_springs import DEVIATIONS
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
 from pysprings.macro.space import SpaceAnswers, answers_in_space
@@ -30,7 +31,7 @@ _IN_PLANE = ("utilisation", "utilisation_V", "capacity_H", "capacity_M", "capaci
 _NO_CAPACITY: dict[str, Any] = {
     "utilisation": np.nan, "capacity_H": np.nan, "capacity_M": np.nan, "capacity_kind": NOT_KNOWN, "capacity_from": "",
 }  # fmt: skip
-_MOTIONS = ("u", "w", "rotation", "stiffness")
+_MOTIONS = ("u", "w", "rotation", "stiffness", *DEVIATIONS)
 PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated range of the springs"
 # largest difference of springs in space from those in one plane [%] that is no mark, and the mark
 MOST_APART, APART = 2.0, "springs in space move {:.2g} % unlike those in one plane under H and M in the plane of H"
@@ -65,7 +66,7 @@ def predict_batch(
     at several vertical loads, where every V has springs of its own, about fifteen. What `predict` raises or warns of is
     a mark by case here:
 
-    - `answered` 1: u, w, rotation and stiffness are the answer; 0: they are NaN, and `why_not` has the reason;
+    - `answered` 1: u, w, rotation, stiffness, deviations are the answer; 0: they are NaN, and `why_not` has the reason;
     - `extrapolated`: beyond the calibrated range, answered with extrapolate only;
     - `beyond_end`: beyond a limit load of the full model, never answered;
     - `converged` 0: no equilibrium (u, w, rotation NaN);
