@@ -51,12 +51,16 @@ def sweep(
     reason, and end the command with exit code 3.
     """
     from pysprings.cli.folders import refuse_no_folder
-    from pysprings.studies.sweep import study as studies
+    from pysprings.studies.sweep import dataset, study as studies
     from pysprings.studies.sweep.study_file import read_study
     from pysprings.studies.sweep.worker import Place
 
     if scheduler is not None and jobs is not None:
         refuse("--jobs", "the scheduler has workers of its own: give one of the two")
+    if over is not None and not picture:
+        refuse("--over", "names the axes of pictures: give --picture, too")
+    for each in table or []:
+        dataset.suffix_of(each)
     folder = out or Path("out") / f"sweep-{study.stem}"
     refuse_no_folder(folder)
     plan = read_study(study)
@@ -90,7 +94,7 @@ def _outputs(
         return written
     written[file] = "all cases as one dataset (pysprings.open_study, xarray)"
     with dataset.open_study(file) as data:
-        for each in tables or [study.out / dataset.CSV]:
+        for each in (study.out / dataset.CSV, *tables):
             written[dataset.write_table(data, each)] = "a row a case, for spreadsheets"
         for name in pictures:
             from pysprings.results.plots.files import save

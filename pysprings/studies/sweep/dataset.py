@@ -198,7 +198,9 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
 
     from pysprings.results.plots.style import STYLE
 
-    known, axes = scalars(data), axis_names(data)
+    axes = axis_names(data)
+    data = data.sortby([name for name in axes if name in data.dims])
+    known = scalars(data)
     if quantity not in known:
         raise refused(
             "--picture", f"no quantity '{quantity}'{suggestion(quantity, list(known))}; there are: {', '.join(known)}"
@@ -323,7 +325,7 @@ _STATE_UNITS = {
 NUMBERS = {
     "wall_s": ("s", "wall time of the case"),
     "cpu_s": ("s", "CPU time of the case"),
-    "peak_memory_bytes": ("byte", "largest memory of the case"),
+    "peak_memory_bytes": ("byte", "largest memory of the process that ran the case, cases before it included"),
     "unknowns": ("1", "unknowns of its model"),
     "iterations": ("1", "Newton iterations of all paths"),
     "balance_error": ("1", "largest share of the load that the sums of the reactions miss"),
@@ -334,11 +336,12 @@ STIFFNESSES = {"K_H": ("u", "u", "N/m"), "K_V": ("w", "w", "N/m"), "K_M": ("rota
 
 
 def write_study(study: Study) -> Path | None:
-    """Write study.nc from the folders of the cases; None where no case has springs. Holds one case at a time."""
-    paths = _path_names(study)
+    """Write study.nc from the folders of the cases, one at a time; None, and no earlier one, where none has springs."""
+    paths, target = _path_names(study), study.out / FILE
     if not paths:
+        for each in (target, study.out / CSV):
+            each.unlink(missing_ok=True)
         return None
-    target = study.out / FILE
     with replacing(target) as temporary:
         _write(study, temporary, paths)
     return target
@@ -507,12 +510,17 @@ def table_of(data: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(table).replace([np.inf, -np.inf], np.nan)
 
 
-def write_table(data: xr.Dataset, file: Path) -> Path:
-    """Write the table of a study as .csv or .xlsx, whole or not at all."""
+def suffix_of(file: Path) -> str:
+    """Return the suffix of a table. Raises UserInputError for one that `write_table` does not write."""
     if file.suffix not in SUFFIXES:
         raise refused("--table", f"ends in {' or '.join(SUFFIXES)}", file)
-    table = table_of(data)
-    if file.suffix == ".csv":
+    return file.suffix
+
+
+def write_table(data: xr.Dataset, file: Path) -> Path:
+    """Write the table of a study as .csv or .xlsx, whole or not at all."""
+    suffix, table = suffix_of(file), table_of(data)
+    if suffix == ".csv":
         return write_frame(table, file)
     return write_sheet(
         file, [str(name) for name in table], ((row, False) for row in table.itertuples(index=False, name=None)), {}

@@ -28,6 +28,7 @@ from pysprings.studies.sweep.dataset import DEPTHS, SHARES, draw, measure, remap
 from pysprings.studies.sweep.plan import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
+from tests.support.commands import command
 from tests.support.vertical import vertical_springs
 
 TEXT = """
@@ -218,6 +219,30 @@ def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
         assert line.get_ydata() == pytest.approx(data["H_largest"].sel(path="pull")[1].values)
         with pytest.raises(UserInputError, match="no quantity 'K_h'"):
             draw(data, "K_h")
+
+
+def test_a_picture_has_its_axes_in_order(ended):
+    """Values that a study lists in another order are drawn from the least to the largest."""
+    with dataset.open_study(ended.out) as data:
+        mixed = data.load().isel(young_modulus=[1, 0])
+        drawn, other = (draw(each, "K_H", ["young_modulus", "mu"]).axes[0].collections[0] for each in (mixed, data))
+        np.testing.assert_array_equal(drawn.get_array(), other.get_array())
+        np.testing.assert_array_equal(drawn.get_coordinates(), other.get_coordinates())
+
+
+def test_a_study_without_springs_leaves_no_dataset_of_an_earlier_one(ended, tmp_path):
+    for file in (dataset.FILE, dataset.CSV):
+        (tmp_path / file).touch()
+    failed = {number: State("failed", "no springs") for number in ended.states}
+    assert dataset.write_study(study.Study(ended.plan, tmp_path, ended.hashes, failed)) is None
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cannot_be_written_is_refused_before_a_case_runs(tmp_path):
+    make(tmp_path)
+    for options, words in ((("--table", "all.nc"), "ends in .csv or .xlsx"), (("--over", "mu"), "give --picture, too")):
+        refused = command("sweep", tmp_path / "study.toml", "--out", tmp_path / "out", *options)
+        assert refused.code == 2 and words in refused.err and not (tmp_path / "out").exists()
 
 
 def test_cases_that_stopped_early_are_crossed_in_a_picture(ended):
