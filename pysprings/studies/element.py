@@ -340,7 +340,14 @@ _AXES = {
     "shear_stress_Pa": ("shear stress [kPa]", KPA), "axial_stress_Pa": ("axial effective stress [kPa]", KPA),
     "pore_pressure_Pa": ("excess pore pressure [kPa]", KPA),
 }  # fmt: skip
+_IN_TOTAL = {"p_Pa": "mean total stress p [kPa]", "axial_stress_Pa": "axial total stress [kPa]"}
 _COLOURS = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE)
+
+
+def _label(column: str, curves: Sequence[Curve]) -> str:
+    """Return the axis of a column: a law in total stress has no effective one."""
+    total = all(curve.drainage == TOTAL for curve in curves)
+    return _IN_TOTAL.get(column, _AXES[column][0]) if total else _AXES[column][0]
 
 
 @styled
@@ -362,7 +369,7 @@ def element_picture(
                 every = slice(None, None, max(len(data[x]) // 60, 1))
                 points = _AXES[x][1] * data[x][every], _AXES[y][1] * data[y][every]
                 axes.plot(*points, linestyle="", marker="o", markersize=3.0, color=colour, alpha=0.6)
-        axes.set(xlabel=_AXES[x][0], ylabel=_AXES[y][0])
+        axes.set(xlabel=_label(x, curves), ylabel=_label(y, curves))
         axes.margins(x=0.02)
         if np.ptp(axes.get_ylim()) == 0.0:
             axes.set_ylim(-1.0, 1.0)
@@ -406,7 +413,7 @@ class Outcome:
     @property
     def stress(self) -> str:
         """Which stress `peak` and `end` of the rows are, in words."""
-        return _AXES[MEASURED[self.request.kind][1][0]][0].removesuffix(" [kPa]")
+        return _label(MEASURED[self.request.kind][1][0], self.curves).removesuffix(" [kPa]")
 
     @cached_property
     def rows(self) -> list[dict[str, Any]]:

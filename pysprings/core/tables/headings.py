@@ -18,6 +18,7 @@ from pysprings.core.words import ESTIMATES
 GRAVITY = 9.80665  # m/s2
 TEXT, ANY = "", "*"  # unit of a column of words, of one whose unit does not matter
 PURE = ("", "-", "1")
+SHARES = {"%": 1.0, "pct": 1.0, "percent": 1.0, "mm/m": 0.1, "ppm": 1e-4}  # in percent
 _BRACKETS = re.compile(r"(?P<stem>[^\[\]()]+?)[\s,/:]*[\[(](?P<unit>[^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
 _KEY = re.compile(r"\s*(?P<key>[^\[\]()]+?)\s*(?:[\[(](?P<unit>[^\[\]()]*)[\])])?\s*")
 _ENDINGS = ("_N_per_m", "_Nm_per_m", "_Nm", "_N", "_rad", "_m", "_s", "_Pa")
@@ -177,7 +178,7 @@ def _words(text: str) -> str:
 
 @cache
 def _is_unit(text: str) -> bool:
-    if text in PURE or text == "%":
+    if text in PURE or text in SHARES:
         return True
     try:
         return bool(unit_of(text)[1])
@@ -187,7 +188,7 @@ def _is_unit(text: str) -> bool:
 
 def _fits(column: Column, unit: str | None) -> bool:
     """Return whether a unit has the dimension of a column; one without unit fits every column."""
-    if unit is None or column.unit in ("1", TEXT, ANY) or not _is_unit(unit) or unit in (*PURE, "%"):
+    if unit is None or column.unit in ("1", TEXT, ANY) or not _is_unit(unit) or unit in (*PURE, *SHARES):
         return unit is None or column.unit in ("1", TEXT, ANY)
     return unit_of(unit)[1] == unit_of(column.unit)[1]
 
@@ -206,9 +207,10 @@ def _factor(column: Column, stem: str, unit: str | None) -> float:
     if si == "1":
         if unit is None or unit in PURE:
             return 1.0
-        if unit == "%" and column.percent:
-            return column.percent
-        raise WrongHeading(f"{quoted(unit)}: a column without unit", column)
+        if unit in SHARES and column.percent:
+            return SHARES[unit] * column.percent
+        kind = f"'{stem} [-]' or '{stem} [%]'" if column.percent else "a column without unit"
+        raise WrongHeading(f"wrong unit {quoted(unit)}: expected {kind}", column)
     example = column.example or _EXAMPLES.get(si, si)
     if unit is None or unit in PURE:
         raise WrongHeading(f"no unit: write '{stem} [{example}]'", column)

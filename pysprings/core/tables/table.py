@@ -30,7 +30,7 @@ from pysprings.core.tables.files import (
     style_of,
     text_of,
 )
-from pysprings.core.tables.headings import TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
+from pysprings.core.tables.headings import SHARES, TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
 from pysprings.core.units import LARGEST, fault, quoted
 
 Reshape = Callable[[list[str], list[Line]], tuple[list[str], list[Line]]]
@@ -116,7 +116,7 @@ class Table:
                 continue
             if value is None or name in self.wrong:
                 continue
-            value *= heading.factor * (100.0 if heading.unit == "%" and isinstance(cell, Percent) else 1.0)
+            value *= heading.factor * (100.0 if SHARES.get(heading.unit) == 1.0 and isinstance(cell, Percent) else 1.0)
             if wrong := fault(value, unit) if most else "" if math.isfinite(value) else "is not a finite number":
                 self.fault(k, name, f"{quoted(cell)} {wrong}")
             else:
@@ -130,7 +130,7 @@ class Table:
 
     def fault_without_unit(self, name: str, exact: bool = False) -> None:
         """Note a column of shares whose heading has no unit: percent or not? With ``exact`` its own name is SI."""
-        if name in self.columns and (heading := self.columns[name][1]).unit in ("", "1"):
+        if name in self.columns and name not in self.wrong and (heading := self.columns[name][1]).unit in ("", "1"):
             if (exact and heading.text == name) or re.search(r"[\[(]\s*1\s*[\])]", heading.text):
                 return
             if all(isinstance(cell, Percent) or is_blank(cell) for cell in self.cells(name)):

@@ -4,7 +4,7 @@
 import pytest
 
 from pysprings.core.tables.files import NotANumber, number, style_of
-from pysprings.core.tables.headings import GRAVITY, Headings, WrongHeading
+from pysprings.core.tables.headings import GRAVITY, Column, Headings, WrongHeading
 from pysprings.core.tables.load_cases import COLUMNS
 
 KNOWN = Headings(COLUMNS, lambda head: {})
@@ -46,6 +46,19 @@ def test_headings(heading: str, column: str, factor: float) -> None:
 
 
 @pytest.mark.parametrize(
+    ("heading", "factor"),
+    [("strain [%]", 0.01), ("strain_pct", 0.01), ("strain [percent]", 0.01), ("strain [mm/m]", 1e-3),
+     ("strain_ppm", 1e-6), ("strain [-]", 1.0)],
+)  # fmt: skip
+def test_units_of_a_share(heading: str, factor: float) -> None:
+    """Of a column that may be in percent; of others they are no units."""
+    assert Headings([Column("strain", percent=0.01)], lambda head: {}).read(heading).factor == pytest.approx(factor)
+    if heading != "strain [-]":
+        with pytest.raises(WrongHeading, match="expected a column without unit"):
+            Headings([Column("strain")], lambda head: {}).read(heading)
+
+
+@pytest.mark.parametrize(
     ("heading", "message"),
     [
         ("H", "no unit: write 'H [kN]'"),
@@ -53,7 +66,7 @@ def test_headings(heading: str, column: str, factor: float) -> None:
         ("H [mN]", '"mN": m is milli, M is mega'),
         ("M [kN]", "wrong unit \"kN\": expected a moment such as 'M [kN m]'"),
         ("H [foo]", 'unknown unit "foo"'),
-        ("factor [kN]", '"kN": a column without unit'),
+        ("factor [kN]", 'wrong unit "kN": expected a column without unit'),
         ("Hh [kN]", "unknown column"),
     ],
 )

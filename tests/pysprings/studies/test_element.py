@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pysprings.scene.load import load_scene
-from pysprings.studies.element import LabTest, Request, bounds_of, known_keys, residuals, run
+from pysprings.studies.element import LabTest, Request, bounds_of, element_picture, known_keys, residuals, run
 from tests.support.commands import Result, command
 
 SCENE = """
@@ -159,6 +159,7 @@ def test_of_two_layers_of_one_name_the_depth_decides(scene: Path, tmp_path: Path
             HEAD.replace(" [%]", "") + ROWS,
             "lab.csv:1: axial strain: has no unit: write 'axial strain [%]'",
         ),
+        (HEAD.replace("[%]", "[kPa]") + ROWS, "wrong unit \"kPa\": expected 'axial strain [-]' or"),
         (HEAD.replace("axial strain [%]", "eps1") + ROWS, "lab.csv:1: eps1: has no unit: write 'eps1 [%]'"),
         (HEAD.replace("%", "-") + ROWS, "lab.csv:6: axial strain [-]: a strain of 500 %, beyond 100 %: is the unit"),
         (HEAD.replace("q [kPa]", "q [MPa]") + ROWS, "lab.csv:6: q [MPa]: 3.4e+05 kPa is 3.4e+03 times the consolid"),
@@ -174,6 +175,7 @@ def test_data_that_are_no_test_are_refused(scene: Path, tmp_path: Path, text: st
     (tmp_path / "lab.csv").write_text(text)
     found = command("element", str(scene), "--layer", "sand", "--data", str(tmp_path / "lab.csv"))
     assert found.code == 2 and message in found.err
+    assert ("wrong unit" in found.err) + ("has no unit" in found.err) < 2  # one fault, one advice
 
 
 def test_keys_to_be_fitted_are_numbers_of_the_law_with_their_bounds(scene: Path, tmp_path: Path) -> None:
@@ -266,3 +268,18 @@ def test_a_law_in_total_stress_has_no_pore_pressure_and_is_not_judged_by_one(
     found = np.interp([0.0, 0.01, 0.05], *(frame[each] for each in MEASURED_BY[test]))
     away = (found / 1e3 - [0.0, 70.0, 80.0]) / 80.0
     assert row["away"] == pytest.approx(np.sqrt(np.mean(away**2)), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("layer", "test", "label"),
+    [
+        ("sand", "triaxial", "mean effective stress p' [kPa]"), ("clay", "triaxial", "mean total stress p [kPa]"),
+        ("sand", "oedometer", "axial effective stress [kPa]"), ("clay", "oedometer", "axial total stress [kPa]"),
+    ],
+)  # fmt: skip
+def test_stresses_of_a_law_in_total_stress_are_named_so(scene: Path, layer: str, test: str, label: str) -> None:
+    stratum = next(each for each in load_scene(scene).ground.strata if each.name == layer)
+    outcome = run(Request(stratum, test, 7.0, strain=1e-3))
+    axes = element_picture(outcome.curves, outcome.names, (), test, "").axes
+    assert label in {text for each in axes for text in (each.get_xlabel(), each.get_ylabel())}
+    assert test == "triaxial" or outcome.stress == label.removesuffix(" [kPa]")
