@@ -328,8 +328,11 @@ def _unknown_key(path: KeyPath) -> Fault:
 
 
 def _spoiled(fault: Fault, data: dict[str, Any]) -> Iterator[KeyPath]:
-    """Give the key paths whose value is not known because of a fault."""
+    """Give the key paths whose value is not known because of a fault: of a layer or law, ground and contact."""
     path = fault.paths[0]
+    layer = path[:2] == ("soil", "layer")
+    if (layer and (len(path) < 4 or path[3] in ("top", "law"))) or path == ("soil", "yield_surface"):
+        yield from (("soil",), ("interface",))
     entry = len(path) == (4 if path[0] == "path" else 3) and isinstance(path[-1], int)  # it spoils its list
     yield path[:-1] if entry else path
     if fault.meant and fault.meant not in _table(data, path[:-1]):

@@ -10,7 +10,9 @@ from scipy.integrate import quad
 
 from pysprings.model.fourier import build
 from pysprings.scene.defaults import implausible, remarks
+from pysprings.scene.load import parse_scene
 from pysprings.scene.sections import PAPER
+from pysprings.scene.template import template_text
 from tests.support import tiny
 
 LAYERS = """\
@@ -118,6 +120,18 @@ def test_wrong_layers_are_refused_with_their_place(old, new, message):
 def test_all_problems_of_layers_come_at_once():
     text = LAYERS.replace("11 kN/m^3", "11").replace('"5 MPa/m"', "5").replace('name = "loose"', 'nme = "loose"')
     assert len(tiny.messages(text)) == 3
+
+
+@pytest.mark.parametrize(
+    "old, new", [('top = "3 m" ', 'top = "3 kN"'), ('top = "3 m" ', ""), ('law = "tresca"', 'law = "tresque"')]
+)
+def test_a_layer_that_cannot_be_read_is_the_only_fault(old, new):
+    """The others are not read as ground of another law, nor the ground as one without layers."""
+    text = template_text("sand-over-clay").replace(old, new)
+    (found,) = tiny.problems(parse_scene, text)
+    assert str(found.key).startswith("soil.layer[1].")
+    clay = '[soil]\nyield_surface = "tresque"\nundrained_shear_strength = "9 kPa"\n[interface]\nadhesion_factor = 1\n'
+    assert [each.key for each in tiny.problems(parse_scene, clay)] == ["soil.yield_surface"]
 
 
 def test_an_order_that_is_wrong_hides_no_value_that_turns_negative_and_no_foreign_key():
