@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The output of `pysprings run`: where results are, how the paths went, cost, comparison."""
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -73,7 +74,7 @@ def print_results(folder: Path, verbose: bool = False) -> None:
         table = _comparison(folder, record)
         print(to_text(table) if verbose else to_brief_text(table), end="")
         if not verbose:
-            print(f"`pysprings compare {folder}`: all spring sets and paths")
+            print(f"`pysprings compare {shlex.quote(str(folder))}`: all spring sets and paths")
     print_summary(record)
 
 

@@ -78,7 +78,7 @@ class RunOptions:
         options += "".join(f" --estimate {each}" for each in self.estimates)
         options += "".join(f" --set {shlex.quote(change)}" for change in self.changes)
         options += "" if self.jobs is None else f" --jobs {self.jobs}"
-        return f"pysprings run {scene} --out {folder}{options} --resume"
+        return f"pysprings run {shlex.quote(str(scene))} --out {shlex.quote(str(folder))}{options} --resume"
 
 
 def run(

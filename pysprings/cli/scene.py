@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -53,7 +54,7 @@ def init(
     for path in written:
         print(path)
     note = "" if len(written) > 1 else "the schema that was there is kept; --force renews it\n"
-    to_stderr(f"{note}next: pysprings check {file}")
+    to_stderr(f"{note}next: pysprings check {shlex.quote(str(file))}")
 
 
 def check(

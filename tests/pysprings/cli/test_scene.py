@@ -2,10 +2,12 @@
 """`init` and `check`."""
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
 
+from pysprings.cli.run import RunOptions
 from pysprings.core.text import number
 from pysprings.full_model.accuracy.target import start
 from pysprings.model.forecast.estimate import describe
@@ -25,9 +27,12 @@ def test_init_writes_scene_and_schema() -> None:
 
 
 def test_init_makes_folders() -> None:
-    assert command("init", "a/b/c.toml").code == 0
-    assert Path("a/b/c.toml").exists()
-    assert Path("a/b/pysprings.schema.json").exists()
+    """A name with a blank, too; the command that is named next is one that a shell takes."""
+    assert command("init", "a/b c/d.toml").err == "next: pysprings check 'a/b c/d.toml'\n"
+    assert Path("a/b c/d.toml").exists()
+    assert Path("a/b c/pysprings.schema.json").exists()
+    resumed = RunOptions().command(Path("a b.toml"), Path("c d"))
+    assert shlex.split(resumed) == ["pysprings", "run", "a b.toml", "--out", "c d", "--resume"]
 
 
 def test_init_never_overwrites_without_force() -> None:
