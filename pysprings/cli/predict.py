@@ -167,6 +167,8 @@ def predict(
     )  # fmt: skip
     springs: AnySprings
     if atlas is not None:
+        for name in sorted(question.given & {"--rate", "--skirt-length"}):
+            refuse(name, "is not one of springs of an atlas: leave it out")
         asked = Asked(atlas, result, diameter, length, tuple(changes or ()), save_springs, question.V)
         springs = springs_of_atlas(asked, strict, extrapolate)
     else:

@@ -71,12 +71,17 @@ def scenes(data: xr.Dataset, text: SceneText) -> list[Scene]:
     answer = []
     for k in range(data.sizes["case"]):
         changes = [
-            Change(tuple(key.split(".")), quantity(float(values[k]), "" if unit == "1" else unit))
+            Change(tuple(key.split(".")), _value(values[k], "" if unit == "1" else unit))
             for (values, unit), names in zip(columns, keys, strict=True)
             for key in names
         ]
         answer.append(text.scene(changes))
     return answer
+
+
+def _value(value: Any, unit: str) -> str | float:
+    """Return a value of an axis as TOML has it: a text stays as it is."""
+    return value if isinstance(value, str) else quantity(float(value), unit)
 
 
 def read_samples(data: xr.Dataset, family: Family) -> Samples:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import openpyxl
 import pytest
+import xarray as xr
 
 import pysprings
 from pysprings.core.errors import UserInputError
@@ -16,10 +17,11 @@ from pysprings.macro.comparison_text import to_text
 from pysprings.macro.stiffness import stiffness
 from pysprings.results.exporters import export
 from pysprings.scene.changes import read_changes
-from pysprings.scene.load import parse_scene
+from pysprings.scene.load import SceneText, parse_scene
 from pysprings.scene.template import template_text
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.studies.atlas.between import Process, between, filled
+from pysprings.studies.atlas.samples import scenes
 from pysprings.studies.design import answer_cases
 from tests.support.commands import command
 
@@ -112,6 +114,9 @@ def test_a_vertical_load_of_the_command_is_that_of_the_caisson(atlas):
     given = json.loads(command("predict", "--atlas", "clay", *asked).out)
     own = pysprings.predict(springs(atlas, 8.0, 4.0, "alpha=0.65", "V=2 MN"), H=5e5, V=2e6)
     assert given["states"][-1]["u"] == pytest.approx(float(own["u"]), rel=1e-9)
+    for option, value in (("--rate", "1 mm/s"), ("--skirt-length", "9 m")):  # they had no effect
+        refused = command("predict", "--atlas", "clay", *asked, option, value)
+        assert refused.code == 2 and f"{option}: is not one of springs of an atlas" in refused.err
     assert command("predict", "--atlas", "clay", *asked, "--strict").code == 0
     assert command("predict", "--atlas", "clay-gap", *asked, "--strict").code == 0
 
@@ -231,6 +236,14 @@ def test_an_atlas_of_extrapolated_studies_alone_is_not_marked_for_its_mesh(atlas
     assert answers["verdict"].tolist() == ["supported in part"] and words in answers["marks"][0]
     with pytest.raises(UserInputError, match="strict: made on one mesh"):
         pysprings.predict(marked, H=4e5, arm=9.0, strict=True)
+
+
+def test_cases_of_a_study_may_have_words():
+    """A table of cases with a title a case, or a law."""
+    axes = {"title": ("case", ["one", "two"]), "length": ("case", [500.0, 600.0], {"units": "cm"})}
+    attrs = {"axes": "title, length", "axis_keys": "title; caisson.skirt_length"}
+    found = scenes(xr.Dataset(axes, attrs=attrs), SceneText(template_text("soft-clay")))
+    assert [(each.title, each.caisson.skirt_length) for each in found] == [("one", 5.0), ("two", 6.0)]
 
 
 def test_a_process_without_one_value_is_what_left_out_says():
