@@ -335,6 +335,14 @@ STIFFNESSES = {"K_H": ("u", "u", "N/m"), "K_V": ("w", "w", "N/m"), "K_M": ("rota
                "K_HM": ("u", "rotation", "N/rad")}  # fmt: skip
 
 
+_SIZES = {"path": 0, "share": len(SHARES), "depth_share": DEPTHS, "dof": len(DOFS), "dof_conjugate": len(DOFS)}
+# of dimensions and variables, which no axis may have
+NAMES = (
+    "case", "case_number", "status", "stiffness_initial", *_SIZES, *STATES, *ENDS, *BY_DEPTH, *BY_PATH, *STIFFNESSES,
+    *NUMBERS,
+)  # fmt: skip
+
+
 def write_study(study: Study) -> Path | None:
     """Write study.nc from the folders of the cases, one at a time; None, and no earlier one, where none has springs."""
     paths, target = _path_names(study), study.out / FILE
@@ -418,7 +426,7 @@ def _si(unit: str) -> str:
 
 
 def _make_variables(data: Any, dims: tuple[str, ...], paths: tuple[str, ...]) -> None:
-    sizes = {"path": len(paths), "share": len(SHARES), "depth_share": DEPTHS, "dof": 3, "dof_conjugate": 3}
+    sizes = _SIZES | {"path": len(paths)}
     for name, size in sizes.items():
         data.createDimension(name, size)
     for name, texts in (("path", paths), ("dof", DOFS), ("dof_conjugate", DOFS)):

@@ -35,12 +35,12 @@ from pysprings.scene.load import SceneText, read_text, toml_of
 from pysprings.scene.positions import KeyPath, nearest
 from pysprings.scene.sections import Section
 from pysprings.studies.sweep import plan as plans
+from pysprings.studies.sweep.dataset import NAMES
 from pysprings.studies.sweep.plan import Axis, Keep, Plan, read_table
 
 MOST_CASES = 1_000_000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
-# columns of cases.csv and variables of study.nc
-TAKEN = ("id", "status", "reason", "seconds", "hash", "case", "ray", "reach", "depth", "dof", "dof_conjugate")
+TAKEN = ("id", "status", "reason", "seconds", "hash", *NAMES)  # columns of cases.csv, and what study.nc has
 # Sections of a study file; what must not be missing is noted by the checks, so that all comes at once
 _Word = Annotated[str, Text("a name")]
 _Cases = Annotated[int | None, Count(1, MOST_CASES, "number of cases", optional=True)]
@@ -192,7 +192,9 @@ class _Reader:
             self.fault((*at, "key"), 'expected a key of the scene such as "caisson.skirt_length"')
             return Axis("", ())
         name = table.name or keys[0].split(".")[-1]
-        if not _NAME.fullmatch(name) or name in TAKEN:
+        if name in TAKEN:
+            self.fault((*at, "name"), f'{quoted(name)} is taken by the files of a study; give name = "..."')
+        elif not _NAME.fullmatch(name):
             self.fault((*at, "name"), f"{quoted(name)} is no name of an axis (a letter, then letters, digits or _)")
         listed, sampled = table.values is not None, self.study.sampling is not None
         axis = Axis(name, keys, place=nearest(self.places, (*at, "values" if listed else "from")).key)

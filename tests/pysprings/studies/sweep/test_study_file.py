@@ -168,6 +168,13 @@ def test_values_of_a_table_that_the_scene_refuses_stand_at_their_row(study):
     assert below[0] == 6
 
 
+def test_an_axis_has_no_name_of_the_files_of_a_study(study):
+    """Of a vertical load "V", of a rotation "rotation" by default: no dataset could be written after the last case."""
+    for text in (GRID.replace('name = "mu"', 'name = "V"'), GRID.replace('name = "mu"', 'name = "reason"')):
+        ((_, key, message),) = refusals(study, text)
+        assert key == "axis.2.name" and "is taken by the files of a study" in message
+
+
 @pytest.mark.parametrize("other", ["soil.young_modulus", "soil"])
 def test_a_value_has_one_axis(study, other):
     """Of two the last would count, under the values of both."""

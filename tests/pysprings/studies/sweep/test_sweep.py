@@ -110,6 +110,11 @@ def test_the_dataset_has_a_dimension_an_axis_and_the_numbers_of_each_run(ended):
         assert np.isfinite(case["cpu_s"]) and float(case["balance_error"]) < 1e-9
 
 
+def test_no_axis_can_have_a_name_of_the_dataset(ended):
+    with dataset.open_study(ended.out) as data:
+        assert {*data.variables, *data.dims} - {"young_modulus", "mu"} == {*dataset.NAMES} - {"case"}
+
+
 def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path):
     """Extrapolated from two meshes; a case whose estimate failed has the reason, and no share of its paths."""
     planned = study.planned(make(tmp_path), tmp_path / "out")
