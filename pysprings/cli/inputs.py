@@ -109,8 +109,6 @@ def springs_or_table(
     from pysprings.core.tables import ENDINGS, is_table
     from pysprings.results.tables import open_table
 
-    if rate is not None and rate <= 0.0:
-        refuse("--rate", f"{1e3 * rate:g} mm/s is not positive")
     if is_table(source) and not source.is_dir():
         if rate is not None:
             refuse("--rate", "a table has no rates")

@@ -7,7 +7,7 @@ from typing import Annotated, NoReturn
 
 from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.inputs import refuse_unfinished, springs_of
-from pysprings.cli.options import Json, Result, argument, named, option
+from pysprings.cli.options import Json, Rate, Result, argument, named, option
 from pysprings.cli.support import refuse, to_stderr
 from pysprings.core.text import plain_table
 from pysprings.core.words import Use
@@ -29,20 +29,23 @@ def springs(
         Use | None, option("--for", "one set of curves for a beam program, with its error (csv, xlsx)")
     ] = None,
     depths: Annotated[str | None, option("--depths", 'beam: depths, such as "0.5, 1.5, 2.5 m"', "LIST")] = None,
+    rate: Rate = None,
     as_json: Json = False,
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
     chosen, options = "json" if as_json else _format(form, out), dict[str, str]()
     if wide and chosen not in ("csv", "wide"):
         refuse("--wide", f"is a form of csv, not of {chosen}")
-    if use is None and depths is not None:
-        refuse("--depths", "is an option of --for beam")
+    given = {"depths": depths, "rate": None if rate is None else f"{rate!r} m/s"}
+    asked = {name: value for name, value in given.items() if value is not None}
+    if use is None and asked:
+        refuse(f"--{next(iter(asked))}", "is an option of --for beam")
     if use is not None:
         if wide or chosen not in ("csv", "xlsx"):
             refuse("--for", f"writes csv or xlsx, not {'--wide' if wide else chosen}")
         if out is not None and out.suffix.lower() != f".{chosen}":
             refuse("--out", f"the name of the file must end with .{chosen}", out)
-        chosen, options = use, {} if depths is None else {"depths": depths}
+        chosen, options = use, asked
     chosen = "wide" if wide else chosen
     source = _export_source(result, EXPORTERS.find(chosen, "--for"))
     if out is None:

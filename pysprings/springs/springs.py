@@ -291,6 +291,8 @@ class Springs:
 
     def at_rate(self, rate: float) -> Springs:
         """Return the springs at a rate [m/s, of rho], at all their vertical loads. Raises as `at` does."""
+        if not rate > 0.0:
+            raise refused("rate", f"{1e3 * rate:g} mm/s is not positive")
         if not self.rate_sets:
             raise refused("rate", f"the springs are {self.drainage}: they do not depend on a rate")
         return self._cached(("rate", rate), lambda: self._made_at_rate(rate))

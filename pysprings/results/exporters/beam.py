@@ -190,8 +190,7 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
     """Return the lines above the table, and the table (`COLUMNS`, SI)."""
     if int(options["points"]) < FEWEST:
         raise refused("--option points", f"{options['points']} is not from {FEWEST} to any number")
-    springs, V = springs_at(source, options)
-    springs = springs.at(V=V)
+    springs, _ = springs_at(source, options)
     depths = depths_of(options["depths"], springs.length) if options["depths"] else None
     found, bounds, corrected = rows_of(springs, depths)
     rows = stack([row for row in found if row.r.any()])

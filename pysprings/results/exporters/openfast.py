@@ -28,11 +28,11 @@ _CYCLES = "elements that remember reversals, for tens of cycles"
 
 def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[Path], list[str]]:
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
-    springs, load = springs_at(source, options)
-    if not has_fan(springs):
+    at, load = springs_at(source, options)
+    if not has_fan(at):
         return [], [_NO_FAN]
-    kind, at = str(options["springs"]), springs.at(V=load)
-    model = MacroModel.from_springs(springs, kind, V=load)
+    kind = str(options["springs"])
+    model = MacroModel.from_springs(at.whole or at, kind, V=load)
     elements, torsion = model.response.element_rows, known_torsion(model.attrs)
     lost = [*_LOST[kind], *model.response.plane_notes()]
     lost += [SpaceAnswers.of(at).errors] if elements.in_space else []

@@ -214,7 +214,6 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str], Spri
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
     springs, load = springs_at(source, options)
-    springs = springs.at(V=load)
     made = uniaxial(springs, options["springs"], load, planes=2, slices=ZONE)
     axial, words = _axial_cards(springs, made, options)
     lateral, errors = _lateral_cards(springs, made, options)

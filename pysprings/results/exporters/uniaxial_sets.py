@@ -445,7 +445,6 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
     if points < FEWEST:
         raise refused("--option points", f"{points} is not from {FEWEST} to any number")
     springs, load = springs_at(source, given)
-    springs = springs.at(V=load)
     made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]), str(given["slices"]))
     rows = tables(made, points)
     torsion, first = known_torsion(springs.attrs), float(given["azimuth"] or 0.0)

@@ -68,6 +68,12 @@ def test_beyond_the_slowest_and_the_fastest_nothing_is_extrapolated(rate: float)
         Springs.of(at_two_rates()).at_rate(rate)
 
 
+@pytest.mark.parametrize("rate", [-1e-4, 0.0, np.nan])
+def test_a_rate_is_positive(rate: float) -> None:
+    with pytest.raises(UserInputError, match=r"rate: (-0\.1|0|nan) mm/s is not positive"):
+        Springs.of(at_two_rates()).at(rate=rate)
+
+
 def test_drained_springs_have_no_rate() -> None:
     with pytest.raises(UserInputError, match="drained: they do not depend on a rate"):
         Springs.of(synthetic.make_springs(RAYS)).at_rate(1e-4)
@@ -217,3 +223,11 @@ def test_load_cases_are_answered_at_a_rate(tmp_path: Path) -> None:
     words = "V carried by vertical springs of another rate"
     assert [words in row["marks"] for row in fast] == [False, True, True] and words not in str(slow)
     assert (fast[2]["verdict"], slow[2]["verdict"]) == ("supported in part", "ok")
+
+
+def test_curves_for_a_beam_program_are_those_of_a_rate(tmp_path: Path) -> None:
+    save_springs(at_two_rates(), file := tmp_path / "springs.nc")
+    found = command("springs", file, "--for", "beam", "--rate", "0.1 mm/s")
+    assert found.code == 0 and "; rate: 0.1 mm/s;" in found.out
+    assert "several rates" in command("springs", file, "--for", "beam").err
+    assert "--rate: is an option of --for beam" in command("springs", file, "--rate", "0.1 mm/s").err
