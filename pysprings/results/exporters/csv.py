@@ -59,16 +59,19 @@ def csv_text(frame: pd.DataFrame) -> str:
 
 def springs_text(source: Source, _options: Options) -> str:
     """Return the spring set as strict JSON text (SI)."""
-    springs = source.springs
+    springs = with_stored(source.springs)
     document = {
         "attributes": {str(name): value for name, value in springs.attrs.items()},
         "stiffness_initial": _variable(springs.dataset["stiffness_initial"]),
-        "paths": {name: _path(path.recorded) for name, path in paths_of(springs).items()},
+        "paths": {name: _group(path.recorded) for name, path in paths_of(springs).items()},
     }
+    for name, node in springs.children.items():  # paths out of one plane, elements that remember, spread of an atlas
+        within = {each: _group(child.to_dataset(inherit=False)) for each, child in node.children.items()}
+        document.setdefault(name, within or _group(node.to_dataset(inherit=False)))
     return json_text(document) + "\n"
 
 
-def _path(path: xr.Dataset) -> dict[str, Any]:
+def _group(path: xr.Dataset) -> dict[str, Any]:
     return {
         "attributes": {str(name): value for name, value in path.attrs.items()},
         "coordinates": {str(name): _variable(data) for name, data in path.coords.items()},

@@ -18,7 +18,7 @@ from pysprings.results.exporters.xlsx import plain_names
 from pysprings.results.report.load_cases import spring_tables
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import reslice
-from tests.support import written
+from tests.support import space_springs, written
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs
 
@@ -254,6 +254,18 @@ def test_json(springs):
     assert p["units"] == "N m-1"
     assert p["dims"] == ["depth", "side", "component", "step"]
     np.testing.assert_array_equal(p["values"], springs["paths/high/p_component"].values)
+
+
+def test_json_has_the_paths_out_of_one_plane_and_the_elements():
+    """All that the NetCDF file has: a group of it that is not there is lost."""
+    tree = space_springs.calibrated()
+    document = json.loads(exporters.text(tree, "json"))
+    (path, *_) = document["space"]
+    found = document["space"][path]["variables"]["u_y"]
+    assert found["units"] == "m"
+    np.testing.assert_array_equal(found["values"], tree[f"space/{path}/u_y"].values)
+    np.testing.assert_array_equal(document["memory"]["variables"]["rows"]["values"], tree["memory/rows"].values)
+    assert set(tree.children) <= set(document)
 
 
 def test_export_by_form(springs, tmp_path):
