@@ -55,6 +55,7 @@ H = Field("H", "MN", "lateral load; at first half of the largest known one", Non
 ARM = Field("arm", "m", "its height above mudline", 10.0, (0.0, 100.0), 0.02)
 M = Field("M", "MN m", "moment about the lid centre, in place of the height; blank: H times the height", None)
 V = Field("V", "MN", "vertical load, down; blank: that of the springs", None)
+RATE = Field("rate", "mm/s", "of rho = |(u, rotation*L)|, between those of the springs", None)
 
 
 @dataclass(frozen=True)
@@ -78,21 +79,27 @@ class RunSource:
         """Open the springs of a run. Raises UserInputError."""
         from pysprings.cli.inputs import springs_of
         from pysprings.scene.load import parse_scene
+        from pysprings.springs.springs import Springs
 
         tree = springs_of(place)
+        rates = [float(f"{1e3 * each.rate:.4g}") for each in Springs.of(tree).rate_sets]
+        fields = (replace(RATE, start=rates[0], ends=(rates[0], rates[-1])),) if len(rates) > 1 else ()
         try:
             scene = parse_scene(str(tree.attrs["scene_toml"]))
         except (KeyError, PyspringsError):
             scene = None
-        return cls(place, tree, scene, str(tree.attrs.get("title", place.name)))
+        return cls(place, tree, scene, str(tree.attrs.get("title", place.name)), fields)
 
     def key(self, values: Values) -> tuple[Any, ...]:
-        """Return nothing: there is one set of springs."""
-        return ()
+        """Return the rate of springs at several."""
+        return tuple(values[each.name] for each in self.fields)
 
     def springs(self, values: Values) -> xr.DataTree:
-        """Return the springs of the run."""
-        return self.tree
+        """Return the springs of the run, of several rates those at the rate asked for."""
+        from pysprings.springs.springs import Springs
+
+        (rate,) = self.key(values) or (None,)
+        return self.tree if rate is None else Springs.of(self.tree).at_rate(1e-3 * rate).tree
 
     def scene(self, values: Values) -> Scene | None:
         """Return the scene of the run."""
@@ -115,8 +122,9 @@ class RunSource:
         return facts + [(f"ground at {each.top:.3g} m", each.name) for each in strata if not each.like]
 
     def options(self, values: Values) -> list[str]:
-        """Return the folder or file."""
-        return [str(self.place)]
+        """Return the folder or file, and the rate of springs at several."""
+        given = zip(self.fields, self.key(values), strict=True)
+        return [str(self.place), *(text for each, x in given if x is not None for text in ("--rate", each.text(x)))]
 
 
 @dataclass(frozen=True)

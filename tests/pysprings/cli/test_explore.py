@@ -36,6 +36,7 @@ from pysprings.springs.checks import open_springs, save_springs
 from pysprings.studies.design import answer_cases
 from tests.support import synthetic, tiny
 from tests.support.commands import command, environment
+from tests.support.rates import with_vertical
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PATHS = (
@@ -88,6 +89,19 @@ def test_the_command_of_a_run_gives_the_same_answer(run_folder: Path, loads: dic
     source = RunSource.of(run_folder)
     values = start(source, **loads)
     same_as_the_command(Asker(source).answer(values), values, source)
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
+@pytest.mark.parametrize("rate", [0.01, 0.1, 1.0])
+def test_springs_of_several_rates_have_an_input_of_the_rate(tmp_path: Path, rate: float) -> None:
+    """Without a rate they have no answer; at the start it is the slowest."""
+    source = RunSource.of(save_springs(with_vertical(1e-5), tmp_path / "springs.nc"))
+    assert [(each.name, each.start, each.ends) for each in source.fields] == [("rate", 0.01, (0.01, 1.0))]
+    values = start(source, H=0.1, arm=2.0, rate=rate)
+    same_as_the_command(Asker(source).answer(values), values, source)
+    assert "--rate" in answers.command_of(values, source)
+    blank = start(source, H=0.1, rate=None)
+    assert "several rates" in (Asker(source).answer(blank).refusal or "")
 
 
 @pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
