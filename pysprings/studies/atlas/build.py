@@ -22,7 +22,7 @@ from pysprings.scene.sections import Path as ScenePath
 from pysprings.springs.springs import Springs
 from pysprings.studies.atlas.between import Process, filled, fit
 from pysprings.studies.atlas.families import Family
-from pysprings.studies.atlas.model import Atlas, sums
+from pysprings.studies.atlas.model import Atlas, scale_of, sums
 from pysprings.studies.atlas.samples import Samples, read_samples, scenes
 from pysprings.studies.sweep.dataset import open_study
 
@@ -48,7 +48,7 @@ def held_back(atlas: Atlas, data: xr.Dataset, at: tuple[float, ...] = AT) -> pd.
         case = data.isel(case=number)
         if not np.isfinite(float(case["K_H"])):
             continue
-        rows += [{"case": number + 1, **row} for row in _case(atlas, case, scene, at)]
+        rows += [{"case": int(case["case_number"]), **row} for row in _case(atlas, case, scene, at)]
     if not rows:
         raise refused("--held-back", "no case of the study has springs")
     return pd.DataFrame(rows)
@@ -58,7 +58,7 @@ def _case(atlas: Atlas, case: xr.Dataset, scene: Scene, at: tuple[float, ...]) -
     try:
         springs = Springs.of(atlas.springs(_plain(atlas, scene)))
     except UserInputError as error:
-        yield {"quantity": "all", "why_not": error.problems[0].message}
+        yield {"quantity": "all", "why_not": "; ".join(f"{each.key}: {each.message}" for each in error.problems)}
         return
     matrix = springs.stiffness
     assert matrix is not None
@@ -201,7 +201,8 @@ class LeftOut:
 def build(samples: Samples, family: Family) -> tuple[Atlas, LeftOut]:
     """Return an atlas of samples, and its loads with each case left out."""
     even = family.even(samples.inputs)
-    points = (even - even.min(axis=0)) / (even.max(axis=0) - even.min(axis=0))
+    low, span = scale_of(even)
+    points = (even - low) / span
     n, shape = len(points), samples.values.shape[1:]
     H, M = sums(samples.values)
     known = [samples.values.reshape(n, -1), _TOTALS * H.reshape(n, -1), _TOTALS * M.reshape(n, -1)]

@@ -101,8 +101,7 @@ class Atlas:
 
     @cached_property
     def _scale(self) -> tuple[Array, Array]:
-        even = self.family.even(self.inputs)
-        return even.min(axis=0), even.max(axis=0) - even.min(axis=0)
+        return scale_of(self.family.even(self.inputs))
 
     def point(self, inputs: Array) -> Array:
         """Return inputs (..., d) in their even form, 0 to 1 between the full models."""
@@ -158,7 +157,7 @@ class Atlas:
 
     def _outside_box(self, inputs: Array) -> list[tuple[str, str]]:
         low, high = self.box
-        slack = _ROUNDING * (high - low)
+        slack = _ROUNDING * np.maximum(high - low, np.abs(high))  # an input that is the same in all is no point
         return [
             (label, f"{value:.4g} is outside the atlas ({a:.4g} to {b:.4g})")
             for label, value, a, b, room in zip(self.family.labels, inputs, low, high, slack, strict=True)
@@ -186,6 +185,12 @@ class Atlas:
         matrix = stiffness_of(factor, sizes.force, sizes.ratio, D, L)
         settled = self.settlement.at(point)[0] * D / sizes.ratio
         return Estimate(values, modes, matrix, _log_errors(factor, spread), settled, outside)
+
+
+def scale_of(even: Array) -> tuple[Array, Array]:
+    """Return the least of inputs (n, d) in their even form, and their span: 1 of an input that does not vary."""
+    span = np.ptp(even, axis=0)
+    return even.min(axis=0), np.where(span > 0.0, span, 1.0)
 
 
 def _log_errors(factor: Array, spread: Array) -> Array:

@@ -21,7 +21,8 @@ from pysprings.scene.load import SceneText, parse_scene
 from pysprings.scene.template import template_text
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.studies.atlas.between import Process, between, filled
-from pysprings.studies.atlas.samples import scenes
+from pysprings.studies.atlas.build import build
+from pysprings.studies.atlas.samples import Samples, factors, scenes
 from pysprings.studies.design import answer_cases
 from tests.support.commands import command
 
@@ -236,6 +237,26 @@ def test_an_atlas_of_extrapolated_studies_alone_is_not_marked_for_its_mesh(atlas
     assert answers["verdict"].tolist() == ["supported in part"] and words in answers["marks"][0]
     with pytest.raises(UserInputError, match="strict: made on one mesh"):
         pysprings.predict(marked, H=4e5, arm=9.0, strict=True)
+
+
+def test_an_input_that_is_the_same_in_all_cases_stays_as_it_is(atlas):
+    """An atlas of one alpha without V, of what the one that ships expects: it is the same, and refuses other alpha."""
+    D, family = 8.0, atlas.family
+    lengths, gradients = (each.ravel() for each in np.meshgrid([5.0, 6.0, 7.0, 8.0], [0.0, 1.0, 2.0, 3.0, 4.0]))
+    made = [atlas.scene(D, L, read_changes([f"gradient={k} kPa/m"])) for L, k in zip(lengths, gradients, strict=True)]
+    found, sizes = [atlas.estimate(each) for each in made], [family.sizes(each) for each in made]
+    force, ratio = (np.array([getattr(each, name) for each in sizes]) for name in ("force", "ratio"))
+    stiffness = factors(np.stack([each.stiffness for each in found]), force, ratio, np.full(20, D), lengths)
+    own, _ = build(Samples(
+        atlas.text, np.stack([family.read(each) for each in made]), atlas.rays, atlas.angles, atlas.X,
+        np.stack([each.values for each in found]), stiffness, np.zeros(20), atlas.reach,
+    ), family)  # fmt: skip
+    scene = atlas.scene(D, 6.5, read_changes(["gradient=1.5 kPa/m"]))
+    here, there = (each.estimate(scene) for each in (own, atlas))
+    np.testing.assert_allclose(here.stiffness, there.stiffness, rtol=2e-3, atol=1.0)
+    np.testing.assert_allclose(here.values, there.values, atol=0.01 * np.abs(there.values).max())
+    with pytest.raises(UserInputError, match=r"alpha: 0\.8 is outside the atlas"):
+        own.estimate(atlas.scene(D, 6.5, read_changes(["alpha=0.8"])))
 
 
 def test_cases_of_a_study_may_have_words():
