@@ -120,14 +120,12 @@ def _opened(plan: Plan, out: Path, again: bool) -> Study:
     asked: dict[int, str] = {}
     stamp = out / STUDY
     known = _stamp(stamp)
-    if known is not None and (out / CASES).exists():
+    if (out / CASES).exists():
         if known != plan.digest and not again:
-            text = "the study has changed since cases.csv was made; --again makes it anew (what has run stays)"
-            raise refused("--out", text, out)
+            what = "cases.csv here is of no study" if known is None else "the study has changed since cases.csv was made"
+            raise refused("--out", f"{what}; --again makes it anew (what has run stays)", out)
         if known == plan.digest:
-            digest = plan.digest
             plan, asked = read_cases(out, plan)
-            known = digest
     names = plan.hashes()
     if known is None or not asked:
         write_text(json.dumps({"title": plan.title, "plan": plan.digest}) + "\n", stamp)

@@ -329,6 +329,17 @@ def test_a_changed_study_is_refused_unless_it_is_asked_for(tmp_path):
     assert len(study.planned(changed, out, again=True).plan.cases) == 6
 
 
+def test_a_table_of_the_user_is_not_replaced(tmp_path):
+    """The table of cases may have the name of that of a study, in the folder that is given."""
+    mine = tmp_path / "cases.csv"
+    mine.write_text("soil.young_modulus [MPa]\n80\n", encoding="utf-8")
+    plan = make(tmp_path, 'scene = "base.toml"\ncases = "cases.csv"\n')
+    with pytest.raises(UserInputError, match=r"cases\.csv here is of no study"):
+        study.planned(plan, tmp_path)
+    assert mine.read_text(encoding="utf-8") == "soil.young_modulus [MPa]\n80\n"
+    assert len(study.planned(plan, tmp_path, again=True).plan.cases) == 1
+
+
 def test_a_folder_that_is_not_shared_is_carried_back(ended, tmp_path):
     case = ended.plan.cases[0]
     scene = ended.plan.scene_of(case).to_toml()
