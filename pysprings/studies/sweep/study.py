@@ -122,7 +122,9 @@ def _opened(plan: Plan, out: Path, again: bool) -> Study:
     known = _stamp(stamp)
     if (out / CASES).exists():
         if known != plan.digest and not again:
-            what = "cases.csv here is of no study" if known is None else "the study has changed since cases.csv was made"
+            what = (
+                "cases.csv here is of no study" if known is None else "the study has changed since cases.csv was made"
+            )
             raise refused("--out", f"{what}; --again makes it anew (what has run stays)", out)
         if known == plan.digest:
             plan, asked = read_cases(out, plan)
