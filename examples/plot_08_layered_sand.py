@@ -6,9 +6,9 @@ Loose sand over dense sand
 Two layers whose stiffness follows the initial stress. Slices of the springs end at the boundary, where the
 reaction jumps.
 
-Young's modulus follows the initial vertical stress:
+Young's modulus follows the initial mean effective stress:
 
-.. math:: E = E_\mathrm{ref}\,(\sigma'_v / \sigma_\mathrm{ref})^{n}
+.. math:: E = E_\mathrm{ref}\,(p' / \sigma_\mathrm{ref})^{n}, \qquad p' = (1 + 2 K_0)\,\sigma'_v / 3
 """
 
 import tempfile
@@ -56,6 +56,9 @@ lateral_displacement = "20 mm"
 file = Path(tempfile.mkdtemp()) / "sand.toml"
 file.write_text(text, encoding="utf-8")
 scene = pysprings.load_scene(file)
+loose, depth = scene.ground.strata[0], np.array([0.0, 2.0])
+mean = (1.0 + 2.0 * 0.5) * (5e3 + 9e3 * depth) / 3.0  # p' from the surcharge and the weight above
+assert np.allclose(loose.value("young_modulus", depth), 60e6 * (mean / 100e3) ** 0.5)
 springs = pysprings.extract_springs(pysprings.run(scene, estimate_error=False))
 push = plots.path_data(springs, "push")
 
