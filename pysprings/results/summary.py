@@ -20,8 +20,8 @@ from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
 from pysprings.scene.model import Scene, caisson_text, ground_text
 from pysprings.springs.card import stiffness_words
-from pysprings.springs.path import paths_of
-from pysprings.springs.path_ends import STOPPED, before_cavitation, end_of
+from pysprings.springs.path import paths_of, space_paths_of
+from pysprings.springs.path_ends import STOPPED, before_cavitation, end_of, steps_before_cavitation
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
@@ -97,17 +97,24 @@ def _loads(run: Run) -> str:
 
 
 def _off_plane(run: Run) -> str:
-    """Give loads and motions at the end of each path off a plane; what is none to rounding is left out."""
-    length, texts = run.scene.caisson.skirt_length, []
+    """Give loads and motions at the end of each path off a plane; what is none to rounding is left out.
+
+    Of a path whose water would cavitate those of the step before.
+    """
+    length, texts, space = run.scene.caisson.skirt_length, [], space_paths_of(run.result)
     for name, path in run.record.paths.items():
         parts: list[str] = []
-        for first, second, scale in _SIX if "u_x" in path.end else ():
-            sizes = [abs(path.end[each]) for each in first[0]], [abs(path.end[each]) for each in second[0]]
+        end, where = path.end, ""
+        if name in space and (count := steps_before_cavitation(states := space[name].recorded)) < states.sizes["step"]:
+            end = {each: float(states[each][max(count - 1, 0)]) for each in path.end}
+            where = " before cavitation"
+        for first, second, scale in _SIX if "u_x" in end else ():
+            sizes = [abs(end[each]) for each in first[0]], [abs(end[each]) for each in second[0]]
             least = _ROUNDING * max(*sizes[0], *(each * length**scale for each in sizes[1]))
             for (names, unit, factor), small in ((first, least), (second, least / length**scale)):
-                shown = [f"{each} {factor * path.end[each]:.3g}" for each in names if abs(path.end[each]) > small]
+                shown = [f"{each} {factor * end[each]:.3g}" for each in names if abs(end[each]) > small]
                 parts += [f"{', '.join(shown)} {unit}"] if shown else []
-        texts += [f"{name}: {'; '.join(parts)}"] if parts else []
+        texts += [f"{name}{where}: {'; '.join(parts)}"] if parts else []
     return " | ".join(texts)
 
 

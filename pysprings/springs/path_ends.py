@@ -88,16 +88,19 @@ def before_cavitation(path: xr.Dataset) -> xr.Dataset:
 
     The margin itself is left out. A path without a margin, or whose water never would, has all of its steps.
     """
-    if MARGIN not in path.variables:
-        return path
-    beyond = np.flatnonzero(path.variables[MARGIN].values < 0.0)
-    known = path.drop_vars(MARGIN)
-    if not beyond.size:
+    count, known = steps_before_cavitation(path), path.drop_vars(MARGIN, errors="ignore")
+    if count == path.sizes["step"]:
         return known
-    cut = known.isel(step=slice(max(int(beyond[0]), FEWEST)))
+    cut = known.isel(step=slice(max(count, FEWEST)))
     w, V = (float(cut.variables[name].values[-1]) for name in ("w", "V"))
     why = f"the water would cavitate beyond, at w = {w:.4g} m, V = {with_prefix(V, 'N')}"
     return cut.assign_attrs({"end": STOPPED, "end_reason": why} | end_numbers(cut))
+
+
+def steps_before_cavitation(path: xr.Dataset) -> int:
+    """Return the number of steps of a path before its water would cavitate; all where no margin is recorded."""
+    beyond = np.flatnonzero(path.variables[MARGIN].values < 0.0) if MARGIN in path.variables else ()
+    return int(beyond[0]) if len(beyond) else path.sizes["step"]
 
 
 def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:

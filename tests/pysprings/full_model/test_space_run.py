@@ -23,10 +23,13 @@ from pysprings.full_model.accuracy.own_estimate import companions_of, with_estim
 from pysprings.full_model.compute import compute
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.full_model.paths import PathRun, _take, largest_motion
+from pysprings.full_model.run_record import RunRecord
 from pysprings.full_model.work import prepare
 from pysprings.model.stages import path_stages
 from pysprings.results.exporters.tables import load_displacement
 from pysprings.results.folder import run_to_folder
+from pysprings.results.layout import open_result
+from pysprings.results.summary import summary
 from pysprings.scene.load import parse_scene
 from pysprings.scene.sections import PAPER, PAPER_SOIL
 from tests.support import tiny
@@ -499,3 +502,9 @@ def test_the_summary_has_loads_and_motions_by_components(tmp_path):
     loads = f"V {1e-6 * end['V']:.3g} MN; T {1e-6 * end['T']:.3g} MN m"
     assert record["summary"]["off a plane"] == f"turned: {loads}; rot_z 1 mrad"
     assert record["summary"]["springs"] == "none: there is no path in one plane"
+    tree = open_result(tmp_path / "out" / "full_model.nc")
+    states = tree["space/turned"].to_dataset()
+    margin = np.where(states["step"] < 4, 1e5, -1.0)
+    tree["space/turned"].dataset = states.assign(cavitation_margin=("step", margin))
+    text = summary(tree, RunRecord.read(tmp_path / "out"))["off a plane"]
+    assert text.startswith("turned before cavitation: V ") and f"; T {1e-6 * float(states['T'][3]):.3g} MN m;" in text
