@@ -99,8 +99,10 @@ def before_cavitation(path: xr.Dataset) -> xr.Dataset:
 
 def steps_before_cavitation(path: xr.Dataset) -> int:
     """Return the number of steps of a path before its water would cavitate; all where no margin is recorded."""
-    beyond = np.flatnonzero(path.variables[MARGIN].values < 0.0) if MARGIN in path.variables else ()
-    return int(beyond[0]) if len(beyond) else path.sizes["step"]
+    if MARGIN not in path.variables:
+        return path.sizes["step"]
+    beyond = np.flatnonzero(path.variables[MARGIN].values < 0.0)
+    return int(beyond[0]) if beyond.size else path.sizes["step"]
 
 
 def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
