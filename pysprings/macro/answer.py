@@ -2,6 +2,7 @@
 """The answer of the macro-model along a way: a dataset by step, marked, warned of or refused where springs lack."""
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
@@ -225,8 +226,13 @@ def _beyond(model: MacroModel, states: Array, used: Array, limit: Limit | None) 
     return "; ".join(filter(None, (text, "" if limit is None else str(limit), *ends)))
 
 
+def origin_of(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return those attributes of springs that each of their answers has: scene, program, caisson."""
+    return {name: attrs[name] for name in _KEPT if name in attrs}
+
+
 def _provenance(model: MacroModel) -> dict[str, Any]:
-    attrs = {name: model.attrs[name] for name in _KEPT if name in model.attrs} | {"springs": model.spring_set}
+    attrs = origin_of(model.attrs) | {"springs": model.spring_set}
     return attrs | {"curves": model.response.curves} | model.response.provenance()
 
 

@@ -21,7 +21,7 @@ from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import in_plane, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.units import quoted
-from pysprings.macro.answer import rate_marks
+from pysprings.macro.answer import origin_of, rate_marks
 from pysprings.macro.capacity import past_limits
 from pysprings.macro.fan import WIDEST
 from pysprings.macro.fan_springs import sector_notes
@@ -310,8 +310,8 @@ class SpaceSprings:
             values, warnings = values | timed, warnings + off_rates
         known = variables.GROUPS["space_prediction"]
         data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
-        attrs = {
-            "title": self.attrs.get("title", ""), "springs": "memory", "control": control, "question": "sequence",
+        attrs = origin_of(self.attrs) | {
+            "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
             "beyond_range": beyond, "refusals": self._refusals(targets[: n + 1] if control == "load" else pushes, V),
             "remarks": [HEAVE.format(own), *rate_words(self.rate, self.vertical)],

@@ -295,6 +295,10 @@ def test_steps_at_another_rate_are_marked_and_what_comes_after_another_vertical_
     assert "2 of 4 steps are at another rate than that of the springs" in answer.attrs["warnings"]
     assert any("the springs are those of 1 mm/s" in each for each in answer.attrs["remarks"])
     assert "off_rate" not in replace(springs, rate=None).answer("state", way, None, np.arange(1.0, 5.0))
+    known = calibrated().attrs
+    kept = ("title", "pysprings_version", "scene_sha256", "drainage", "skirt_length_m")  # where the springs are from
+    assert {name: answer.attrs.get(name) for name in kept} == {name: known.get(name) for name in kept}
+    assert answer.attrs["skirt_length_m"] > 0.0
 
 
 def test_beyond_a_limit_load_of_the_full_model_there_is_no_answer_in_any_direction() -> None:
