@@ -63,3 +63,8 @@ class Diagnosis:
 
 TILTS = (0.25, 0.5)  # deg: usual tolerances of a wind turbine, over its life and after installation with it
 SOLVED = 1e-5  # share of the largest load that the tolerance of the solver leaves of zero
+
+
+def sudden(drainage: object) -> str:
+    """Return what to add to an initial stiffness in ground of this drainage: where water flows it has not yet moved."""
+    return " (of a load so sudden that no water moves)" if "coupled" in str(drainage).split(", ") else ""

@@ -17,6 +17,7 @@ from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import MOTIONS
+from pysprings.core.words import sudden
 from pysprings.macro.answer import Care
 from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
@@ -138,7 +139,7 @@ def _known(springs: AnySprings | MacroModel) -> tuple[Array | None, str]:
 def _name_of(attrs: Mapping[Any, Any]) -> str:
     """Return words for the initial stiffness that springs with these attributes hold."""
     of_atlas = f"initial stiffness of the {attrs.get('source')}" if "atlas_cases" in attrs else FULL_MODEL
-    return FIRST_STEPS if "first_steps" in attrs else of_atlas
+    return FIRST_STEPS if "first_steps" in attrs else of_atlas + sudden(attrs.get("drainage"))
 
 
 def at_states(model: MacroModel, states: xr.Dataset, form: Form) -> xr.DataArray:

@@ -14,6 +14,7 @@ import xarray as xr
 from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, percent
+from pysprings.core.words import sudden
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
@@ -68,7 +69,8 @@ def summary(
 def _stiffness(run: Run) -> str:
     if "stiffness_initial" not in run.result.dataset:
         return ""
-    return stiffness_words(run.result.dataset["stiffness_initial"].values)
+    known = stiffness_words(run.result.dataset["stiffness_initial"].values)
+    return known + sudden(run.result.attrs.get("drainage"))
 
 
 def _loads(run: Run) -> str:

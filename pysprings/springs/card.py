@@ -13,6 +13,7 @@ import numpy as np
 from pysprings.core.arrays import Array
 from pysprings.core.card import caisson_drawing, card, curves_drawing
 from pysprings.core.text import with_prefix
+from pysprings.core.words import sudden
 
 if TYPE_CHECKING:
     from pysprings.springs.path import SpringPath
@@ -38,7 +39,8 @@ def stiffness_text(springs: Springs) -> str:
     """Return the initial stiffness at the lid centre; blank where none is held."""
     if "stiffness_initial" not in springs.root:
         return ""
-    return stiffness_words(springs.lateral_stiffness if springs.stiffness is None else springs.stiffness)
+    k = springs.lateral_stiffness if springs.stiffness is None else springs.stiffness
+    return stiffness_words(k) + sudden(springs.drainage)
 
 
 def stiffness_words(k: Array) -> str:

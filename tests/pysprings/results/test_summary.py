@@ -15,7 +15,7 @@ from pysprings.core.storage import read_tree
 from pysprings.full_model.run_record import LimitLoad, RunRecord
 from pysprings.results.exporters.header import range_of_path
 from pysprings.results.folder import run_to_folder
-from pysprings.results.summary import _vertical, summary
+from pysprings.results.summary import _stiffness, _vertical, summary
 from tests.support import tiny, winkler
 from tests.support.fans import fan_springs, potential
 from tests.support.rates import with_vertical
@@ -148,6 +148,9 @@ def test_vertical_loads_stand_in_the_summary() -> None:
     share, push = (float(found) for found in re.findall(r", ([\d.]+) % used; largest known: push ([\d.]+) MN", text)[0])
     assert share == pytest.approx(200.0 / push, rel=1e-2)
     assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""
+    sudden = "at the lid centre (of a load so sudden that no water moves)"  # not the stiffness of a slow one
+    wet, dry = (_stiffness(SimpleNamespace(result=tree)) for tree in (with_vertical(1e-5), fan_with_vertical()))
+    assert wet.endswith(sudden) and dry.endswith("at the lid centre")
     at_rates = _vertical(SimpleNamespace(springs=with_vertical(1e-5)))  # no rate is asked for: they are the same at all
     assert at_rates.startswith("V 2 MN at rest, ") and at_rates.endswith("; vertical paths at 0.01 mm/s")
 

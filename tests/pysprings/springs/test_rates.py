@@ -14,8 +14,10 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.comparison import compare, merge_slices
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.predict import sequence
+from pysprings.macro.stiffness import stiffness_six
 from pysprings.macro.vertical_answer import with_vertical_use
 from pysprings.results import exporters
+from pysprings.springs.card import stiffness_text
 from pysprings.springs.checks import save_springs
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.path_sets import blend
@@ -231,3 +233,13 @@ def test_curves_for_a_beam_program_are_those_of_a_rate(tmp_path: Path) -> None:
     assert found.code == 0 and "; rate: 0.1 mm/s;" in found.out
     assert "several rates" in command("springs", file, "--for", "beam").err
     assert "--rate: is an option of --for beam" in command("springs", file, "--rate", "0.1 mm/s").err
+
+
+def test_an_initial_stiffness_where_water_flows_is_named_as_that_of_a_sudden_load() -> None:
+    """A slow load meets a softer, drained one; springs of drained ground have no such words."""
+    drained, coupled = synthetic.make_springs(RAYS), at_two_rates()
+    words = "(of a load so sudden that no water moves)"
+    for text in (stiffness_text(Springs.of(coupled)), stiffness_six(coupled).attrs["long_name"]):
+        assert words in text
+    for text in (stiffness_text(Springs.of(drained)), stiffness_six(drained).attrs["long_name"]):
+        assert words not in text
