@@ -236,6 +236,7 @@ def write_ended(folder: Path, ended: Ended) -> None:
 
 def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
     """Run the full model; return status, reason and the number of the scene."""
+    from pysprings.full_model.accuracy.two_mesh import words
     from pysprings.results.folder import Writing, run_or_go_on
 
     scene = parse_scene(task.scene)
@@ -247,7 +248,10 @@ def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
         return STOPPED, "no run.json was written", scene.sha256
     has_springs = (folder / "springs.nc").exists()
     status = DONE if record.complete and has_springs else SHORT if has_springs else FAILED
-    reason = "; ".join([*record.short, *record.not_made.values()]) or ("" if has_springs else "no springs")
+    estimate, missing = record.error_estimate, list(record.not_made.values())
+    if not missing and estimate and not estimate["estimate_pct"]:
+        missing = [words(estimate)]
+    reason = "; ".join([*record.short, *missing]) or ("" if has_springs else "no springs")
     return status, _line(reason) if reason else "", scene.sha256
 
 

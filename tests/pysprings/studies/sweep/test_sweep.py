@@ -20,6 +20,7 @@ import xarray as xr
 from pysprings.core.errors import UserInputError
 from pysprings.core.words import ESTIMATES
 from pysprings.full_model.compute import compute, run
+from pysprings.scene.load import load_scene
 from pysprings.springs.checks import open_springs, save_springs
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.springs import Springs
@@ -29,6 +30,7 @@ from pysprings.studies.sweep.plan import AGAIN, DONE, SKIP, State, write_cases
 from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
 from tests.support.commands import command
+from tests.support.place import ROOT
 from tests.support.vertical import vertical_springs
 
 TEXT = """
@@ -129,6 +131,10 @@ def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path):
     measured = measure(folder, scene, ("pull",))
     assert measured.numbers["extrapolated"] == 1.0 and 0.0 < measured.by_path["mesh_error_pct"][0] < 100.0
     assert worker.read_ended(folder) == answer.ended
+    clay = load_scene(ROOT / "data" / "studies" / "clay-scene.toml")  # no mesh of it is coarser than this one
+    coarsest = clay.replace(mesh={"refinement": 0.4, "harmonics": 2}, springs={"rays": (0.0,), "reach": 1e-3})
+    alone = worker.run_case(worker.Task(2, coarsest.to_toml(), str(planned.out), coarsest.sha256[:16], "sign"))
+    assert alone.ended.status == DONE and alone.ended.reason.startswith("no estimate of the discretisation error: ")
     worker.write_ended(folder, replace(answer.ended, version="0.1.0"))  # before studies were extrapolated
     assert worker.read_ended(folder) is None
 
