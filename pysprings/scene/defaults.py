@@ -22,6 +22,7 @@ from pysprings.scene.by_depth import ByDepth, Profile, of_surface
 from pysprings.scene.fields import Interval, Number, Quantity
 from pysprings.scene.ground import Stratum, given_values, moved_layers
 from pysprings.scene.interface import adhesion_factor, holds_suction
+from pysprings.scene.layers import untaken
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues, plain_field
 from pysprings.scene.soils import SOIL_LAWS
@@ -71,6 +72,8 @@ def remarks(scene: SceneSections) -> list[str]:
     beyond = [path.name for path in scene.paths if path.in_space]
     off_plane = [f"off a plane, reactions of one mesh, not extrapolated: {', '.join(beyond)}"]
     of_ground = [*moved_layers(scene.soil, scene.extent), *_without_strength(scene), *_unknown(scene)]
+    idle = (name for name in type(scene.soil).model_fields if name in untaken(scene.soil))
+    of_ground += [f"soil.{name} has no effect: every layer has its own" for name in idle]
     of_ground += implausible(scene)
     return of_ground + (off_plane if beyond else [])
 

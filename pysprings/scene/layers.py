@@ -12,7 +12,7 @@ from pysprings.scene.by_depth import ByDepth, Profile, Value, follows_stress
 from pysprings.scene.fields import Interval, Quantity
 from pysprings.scene.ground import Stratum, given_values, make_ground
 from pysprings.scene.positions import Clash, KeyPath
-from pysprings.scene.sections import Extent, Layer, Soil, plain_field
+from pysprings.scene.sections import BY_LAYER, Extent, Layer, Soil, plain_field
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES, owners
 
 
@@ -25,6 +25,21 @@ def given_keys(table: Soil | Layer) -> set[str]:
     """Return the keys that a table gives itself."""
     names = type(table).model_fields
     return {name for name in names if name in table.model_fields_set and getattr(table, name) is not None}
+
+
+def untaken(soil: Soil) -> set[str]:
+    """Return the keys of [soil] that have no effect: every layer that could take one has its own."""
+
+    def takes(layer: Layer, law: str, name: str) -> bool:
+        if name == "yield_surface":
+            return layer.law is None
+        rivals = STIFFNESSES if name in STIFFNESSES else (name,)
+        used = name not in LAW_KEYS or name in (*SOIL_LAWS[law].keys, *SOIL_LAWS[law].unused)
+        return used and all(getattr(layer, each) is None for each in rivals)
+
+    pairs = list(zip(soil.layers, laws_of(soil), strict=False))  # no layers: one soil, which takes all
+    names = given_keys(soil) & {"yield_surface", *BY_LAYER} if pairs else set[str]()
+    return {name for name in names if not any(takes(layer, law, name) for layer, law in pairs)}
 
 
 def key_clashes(soil: Soil) -> Iterator[Clash]:

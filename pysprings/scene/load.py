@@ -25,6 +25,7 @@ from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design, take_cases
 from pysprings.scene.fields import FROM_TOML
+from pysprings.scene.layers import untaken
 from pysprings.scene.model import Scene
 from pysprings.scene.positions import KeyPath, Place, TooDeep, locate, nearest, refuse_depth
 from pysprings.scene.profile_table import key_of, read_layers
@@ -139,6 +140,7 @@ class SceneText:
         if in_tables:
             raise UserInputError(in_tables)
         scene = scenes[0]
+        _refuse_without_effect(scene, changed)
         cyclic = [stratum.tables.get(CYCLIC) for stratum in scene.ground.strata]
         scene = scene.model_copy(update={"title": titled(scene.title, [each for each in cyclic if each])})
         if len(scenes) > 1:
@@ -147,6 +149,17 @@ class SceneText:
         if not (self._profile or from_files or changed or scene.design.cases):
             scene._source = (self.text, scene.sha256)
         return scene
+
+
+def _refuse_without_effect(scene: Scene, changed: Sequence[KeyPath]) -> None:
+    """Refuse changed values of [soil] that no layer takes: the scene would be that without them."""
+    idle = untaken(scene.soil)
+    lost = [keys for keys in changed if keys[0] == "soil" and keys[1] in idle]
+    if lost:
+        text = "no layer takes it: each has its own; change that of a layer, soil.layer.NAME.{}"
+        names = [str(_LAW.get(str(keys[1]), keys[1])) for keys in lost]
+        problems = zip(lost, names, strict=True)
+        raise UserInputError([Problem(OPTION, key=dotted(keys), message=text.format(name)) for keys, name in problems])
 
 
 def _digest(scenes: Sequence[Scene]) -> str:

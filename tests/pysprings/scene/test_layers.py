@@ -13,6 +13,7 @@ from pysprings.scene.defaults import implausible, remarks
 from pysprings.scene.load import parse_scene
 from pysprings.scene.sections import PAPER
 from pysprings.scene.template import template_text
+from pysprings.studies.sweep.study_file import read_study
 from tests.support import tiny
 
 LAYERS = """\
@@ -132,6 +133,29 @@ def test_a_layer_that_cannot_be_read_is_the_only_fault(old, new):
     assert str(found.key).startswith("soil.layer[1].")
     clay = '[soil]\nyield_surface = "tresque"\nundrained_shear_strength = "9 kPa"\n[interface]\nadhesion_factor = 1\n'
     assert [each.key for each in tiny.problems(parse_scene, clay)] == ["soil.yield_surface"]
+
+
+def test_a_value_of_the_soil_that_no_layer_takes_has_no_effect(tmp_path):
+    """In a file it is remarked on; as a changed value, or an axis of a study, it is refused: the answer would be that
+    without it."""
+    text = template_text("sand-over-clay")
+    beside = text.replace("[soil]\n", '[soil]\nK0 = 0.7\nyield_surface = "elastic"\nhydraulic_conductivity = "1e-5 m/s"\n')
+    assert [each for each in remarks(parse_scene(beside)) if "no effect" in each] == [
+        "soil.yield_surface has no effect: every layer has its own", "soil.K0 has no effect: every layer has its own",
+    ]  # fmt: skip
+    assert remarks(parse_scene(text)) == []
+    for key, value, own in (("K0", "0.7", "K0"), ("rigidity_ratio", "200", "rigidity_ratio"),
+                            ("yield_surface", "elastic", "law"), ("shear_modulus", "9 MPa", "shear_modulus")):  # fmt: skip
+        (found,) = tiny.problems(parse_scene, text, None, [f"soil.{key}={value}"])
+        assert (found.key, found.message.partition("; ")[2]) == (
+            f"soil.{key}", f"change that of a layer, soil.layer.NAME.{own}",
+        )  # fmt: skip
+    assert parse_scene(text, None, ["soil.layer.clay.K0=0.7"]).soil.layers[1].K0 == 0.7
+    (tmp_path / "base.toml").write_text(text, encoding="utf-8")
+    axis = '[[axis]]\nkey = "soil.friction_angle_final"\nvalues = ["33 deg", "36 deg"]\n'
+    (tmp_path / "study.toml").write_text(f'scene = "base.toml"\n{axis}', encoding="utf-8")
+    (found,) = tiny.problems(read_study(tmp_path / "study.toml").hashes)
+    assert (found.line, found.key) == (4, "soil.friction_angle_final")
 
 
 def test_an_order_that_is_wrong_hides_no_value_that_turns_negative_and_no_foreign_key():
