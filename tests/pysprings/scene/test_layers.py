@@ -139,7 +139,9 @@ def test_a_value_of_the_soil_that_no_layer_takes_has_no_effect(tmp_path):
     """In a file it is remarked on; as a changed value, or an axis of a study, it is refused: the answer would be that
     without it."""
     text = template_text("sand-over-clay")
-    beside = text.replace("[soil]\n", '[soil]\nK0 = 0.7\nyield_surface = "elastic"\nhydraulic_conductivity = "1e-5 m/s"\n')
+    beside = text.replace(
+        "[soil]\n", '[soil]\nK0 = 0.7\nyield_surface = "elastic"\nhydraulic_conductivity = "1e-5 m/s"\n'
+    )
     assert [each for each in remarks(parse_scene(beside)) if "no effect" in each] == [
         "soil.yield_surface has no effect: every layer has its own", "soil.K0 has no effect: every layer has its own",
     ]  # fmt: skip
