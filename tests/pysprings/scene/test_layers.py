@@ -146,8 +146,8 @@ def test_a_value_of_the_soil_that_no_layer_takes_has_no_effect(tmp_path):
         "soil.yield_surface has no effect: every layer has its own", "soil.K0 has no effect: every layer has its own",
     ]  # fmt: skip
     assert remarks(parse_scene(text)) == []
-    for key, value, own in (("K0", "0.7", "K0"), ("rigidity_ratio", "200", "rigidity_ratio"),
-                            ("yield_surface", "elastic", "law"), ("shear_modulus", "9 MPa", "shear_modulus")):  # fmt: skip
+    for key, value in (("K0", "0.7"), ("rigidity_ratio", "200"), ("law", "elastic"), ("shear_modulus", "9 MPa")):
+        own, key = key, "yield_surface" if key == "law" else key
         (found,) = tiny.problems(parse_scene, text, None, [f"soil.{key}={value}"])
         assert (found.key, found.message.partition("; ")[2]) == (
             f"soil.{key}", f"change that of a layer, soil.layer.NAME.{own}",
