@@ -17,7 +17,7 @@ from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load, same_loads
 from pysprings.core.text import with_prefix
-from pysprings.core.words import RANGE_END
+from pysprings.core.words import RANGE_END, sudden
 from pysprings.macro.model import MacroModel
 from pysprings.macro.response import list_of, other_load
 from pysprings.macro.vertical import FLAT, Branch, VerticalTable, covered, share_left
@@ -95,7 +95,8 @@ def vertical_answer(
     marks = {"V": down, "off_load": moved.astype(np.int8)}
     if model.vertical is None:
         K = float(model.stiffness_initial[1, 1])
-        notes = [other_load(model.origin, down[other]) + "w from the elastic vertical stiffness"] if other.any() else []
+        elastic = f"w from the elastic vertical stiffness{sudden(model.attrs.get('drainage'))}"
+        notes = [other_load(model.origin, down[other]) + elastic] if other.any() else []
         notes = [note if follows and not moved.any() else f"{note}, lateral springs unchanged" for note in notes]
         past, beyond = past_elastic(model, down, other)
         lacking = moved if follows else far | moved

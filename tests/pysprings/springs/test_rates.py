@@ -13,7 +13,7 @@ from pysprings.macro.answer import MacroWarning
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.comparison import compare, merge_slices
 from pysprings.macro.model import MacroModel, spring_sets
-from pysprings.macro.predict import sequence
+from pysprings.macro.predict import impose, sequence
 from pysprings.macro.stiffness import stiffness_six
 from pysprings.macro.vertical_answer import with_vertical_use
 from pysprings.results import exporters
@@ -241,5 +241,8 @@ def test_an_initial_stiffness_where_water_flows_is_named_as_that_of_a_sudden_loa
     words = "(of a load so sudden that no water moves)"
     for text in (stiffness_text(Springs.of(coupled)), stiffness_six(coupled).attrs["long_name"]):
         assert words in text
+    one = Springs.of(coupled).at_rate(1e-3)
+    with pytest.warns(MacroWarning, match=r"elastic vertical stiffness \(of a load so sudden"):
+        impose(one, u=1e-3, rotation=0.0, V=1.05 * REST)
     for text in (stiffness_text(Springs.of(drained)), stiffness_six(drained).attrs["long_name"]):
         assert words not in text
