@@ -138,6 +138,12 @@ class CutBack(_Part):
     last_residuals: list[float] = field(default_factory=list)
 
 
+def _significant(*values: float) -> list[float]:
+    """Return values with 0 for those that are none beside the largest, in N and N m, or m and rad."""
+    least = SOLVED * max(map(abs, values))
+    return [value if abs(value) > least else 0.0 for value in values]
+
+
 _VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are rounding
 
 
@@ -145,7 +151,7 @@ _VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are roundi
 class LimitLoad(_Part):
     """Limit load of a path: loads of the whole caisson and motion in its last converged state, and the criterion.
 
-    Off a plane H, M, u and rotation are sizes of the horizontal vectors.
+    Off a plane H, M, u and rotation are sizes of the horizontal vectors, beside T and the twist.
     """
 
     H_N: float
@@ -155,6 +161,8 @@ class LimitLoad(_Part):
     w_m: float
     rotation_rad: float
     criterion: str
+    T_Nm: float | None = field(default=None, metadata=OPTIONAL)
+    twist_rad: float | None = field(default=None, metadata=OPTIONAL)
 
     @classmethod
     def at(cls, end: Mapping[str, float], criterion: str) -> Self:
@@ -163,23 +171,24 @@ class LimitLoad(_Part):
         if "u_x" in end:  # sizes of the horizontal vectors
             pairs = {"H": ("H_x", "H_y"), "M": ("M_x", "M_y"), "u": ("u_x", "u_y"), "rotation": ("rot_x", "rot_y")}
             end = {**end, **{name: math.hypot(*(end[key] for key in pair)) for name, pair in pairs.items()}}
+            names |= {"T_Nm": "T", "twist_rad": "rot_z"}
         return cls(**{name: end[key] for name, key in names.items()}, criterion=criterion)
 
     @property
     def is_vertical(self) -> bool:
         """Whether V alone is at its limit."""
-        return max(abs(self.H_N), abs(self.M_Nm)) < _VERTICAL * abs(self.V_N)
+        return max(abs(self.H_N), abs(self.M_Nm), abs(self.T_Nm or 0.0)) < _VERTICAL * abs(self.V_N)
 
     def __str__(self) -> str:
         if self.is_vertical:
             return f"V = {1e-3 * self.V_N:.5g} kN at w = {1e3 * self.w_m:.4g} mm ({self.criterion})"
-        loads = (self.H_N, self.M_Nm, self.V_N)
-        H, M, V = (1e-3 * load if abs(load) > SOLVED * max(map(abs, loads)) else 0.0 for load in loads)
-        return (
-            f"H = {H:.5g} kN, M = {M:.5g} kN m, V = {V:.5g} kN "
-            f"at u = {1e3 * self.u_m:.4g} mm, rotation = {math.degrees(self.rotation_rad) + 0.0:.4g} deg "
-            f"({self.criterion})"
-        )
+        H, M, V, T = _significant(self.H_N, self.M_Nm, self.V_N, self.T_Nm or 0.0)
+        u, turn, twist = _significant(self.u_m, self.rotation_rad, self.twist_rad or 0.0)
+        loads, motions = f"H = {1e-3 * H:.5g} kN, M = {1e-3 * M:.5g} kN m, V = {1e-3 * V:.5g} kN", ""
+        if self.T_Nm is not None:
+            loads, motions = f"{loads}, T = {1e-3 * T:.5g} kN m", f", twist = {math.degrees(twist):.4g} deg"
+        motions = f"u = {1e3 * u:.4g} mm, rotation = {math.degrees(turn) + 0.0:.4g} deg{motions}"
+        return f"{loads} at {motions} ({self.criterion})"
 
 
 @dataclass(frozen=True, slots=True)

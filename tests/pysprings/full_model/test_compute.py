@@ -14,6 +14,7 @@ from fe_engine.solve import step_size
 from fe_engine.solve.newton import Newton
 from pysprings.core import variables
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError
+from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.core.words import Diagnosis, StopReason
 from pysprings.full_model import work
 from pysprings.full_model.compute import compute, run
@@ -314,6 +315,24 @@ def test_motions_that_are_imposed_do_not_show_what_is_left_of_the_stiffness() ->
 def test_what_the_solver_leaves_of_zero_is_no_part_of_a_limit_load() -> None:
     text = str(LimitLoad(2.4e6, 4.4e-3, -8.2, 0.438, 0.0, 0.0, "x"))
     assert text.startswith("H = 2400 kN, M = 0 kN m, V = 0 kN at u = 438 mm")
+
+
+@pytest.mark.parametrize(
+    ("loads", "words"),
+    [
+        ({"H_x": 3e6, "H_y": -4e6, "M_y": 5e6, "T": 9e6}, "H = 5000 kN, M = 5000 kN m, V = 2000 kN, T = 9000 kN m"),
+        ({"T": -9e6}, "H = 0 kN, M = 0 kN m, V = 2000 kN, T = -9000 kN m at u = 0 mm, rotation = 0 deg"),
+    ],
+)  # fmt: skip
+def test_a_limit_load_off_a_plane_has_its_torsion(loads: dict[str, float], words: str) -> None:
+    """T alone is no vertical load: V is the dead load then, and no limit."""
+    end = dict.fromkeys((*MOTIONS, *LOADS), 1e-12) | {"V": 2e6, "rot_z": -0.1} | loads
+    limit = LimitLoad.at(end, "x")
+    assert not limit.is_vertical and str(limit).startswith(words)
+    again = LimitLoad.from_dict({name: getattr(limit, name) for name in limit.__dataclass_fields__})
+    assert again.T_Nm == loads["T"] and str(limit).endswith("twist = -5.73 deg (x)")
+    planar = dict.fromkeys(("u", "w", "rotation", "H", "M"), 1e-12) | {"V": 2e6}
+    assert LimitLoad.at(planar, "x").is_vertical and "T = " not in str(LimitLoad.at(planar | {"H": 1e6}, "x"))
 
 
 def test_the_largest_motion_under_a_load_is_a_key_of_the_scene() -> None:
