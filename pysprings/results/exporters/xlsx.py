@@ -64,6 +64,7 @@ _ORIGIN = {
     "skirt_thickness_m": "skirt thickness [m]",
     "vertical_load_N": "vertical load [N]",
     "status": "status of the run",
+    "atlas_outside": "of the atlas",
     "history": "history",
 }
 
@@ -115,8 +116,8 @@ def about_lines(
         yield "text", "", ""
     yield "title", "Springs of a suction caisson", ""
     for key, name in _ORIGIN.items():
-        if key in springs.attrs:
-            yield "text", name, str(springs.attrs[key])
+        if text := str(springs.attrs.get(key, "")):
+            yield "text", name, text
     given = Springs.of(springs)
     yield from (("text", "atlas", words) for words in given.atlas_words)
     yield "text", "", ""

@@ -65,6 +65,9 @@ def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
     cells = [text for sheet in book for row in sheet.values for text in row if "full model" in str(text)]
     assert cells and all(f"({len(known.inputs)} full models)" in each or "no full model" in each for each in cells)
     assert book["load-displacement"]["C3"].value == f"rays of the atlas {name} u [mm]"
+    edge = "L/D: 0.3333 is outside the atlas (0.5 to 1.5)"
+    export(known.springs(known.scene(9.0, 3.0), extrapolate=True), "xlsx", tmp_path / "beyond.xlsx")
+    assert edge in [row[1] for row in openpyxl.load_workbook(tmp_path / "beyond.xlsx")["About"].values]
     assert stiffness(made).attrs["long_name"] == f"initial stiffness of the atlas {name} at the lid centre"
     assert f"full model: the rays of the atlas {name}, none of this caisson" in to_text(compare(made, "fan"))
 
