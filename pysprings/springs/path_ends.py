@@ -88,7 +88,9 @@ def before_cavitation(path: xr.Dataset) -> xr.Dataset:
 
     The margin itself is left out. A path without a margin, or whose water never would, has all of its steps.
     """
-    count, known = steps_before_cavitation(path), path.drop_vars(MARGIN, errors="ignore")
+    if MARGIN not in path.variables:  # one of a table has no steps, which curves share, either
+        return path
+    count, known = steps_before_cavitation(path), path.drop_vars(MARGIN)
     if count == path.sizes["step"]:
         return known
     cut = known.isel(step=slice(max(count, FEWEST)))
