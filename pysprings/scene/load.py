@@ -154,7 +154,7 @@ class SceneText:
 def _refuse_without_effect(scene: Scene, changed: Sequence[KeyPath]) -> None:
     """Refuse changed values of [soil] that no layer takes: the scene would be that without them."""
     idle = untaken(scene.soil)
-    lost = [keys for keys in changed if keys[0] == "soil" and keys[1] in idle]
+    lost = [keys for keys in changed if keys[0] == "soil" and {*keys[1:2]} & idle]
     if lost:
         text = "no layer takes it: each has its own; change that of a layer, soil.layer.NAME.{}"
         names = [str(_LAW.get(str(keys[1]), keys[1])) for keys in lost]

@@ -123,6 +123,9 @@ def test_all_problems_of_layers_come_at_once():
     assert len(tiny.messages(text)) == 3
 
 
+_ELASTIC = "young_modulus = '80 MPa', K0 = 1.0, effective_unit_weight = '9 kN/m^3'"
+
+
 @pytest.mark.parametrize(
     "old, new", [('top = "3 m" ', 'top = "3 kN"'), ('top = "3 m" ', ""), ('law = "tresca"', 'law = "tresque"')]
 )
@@ -153,6 +156,8 @@ def test_a_value_of_the_soil_that_no_layer_takes_has_no_effect(tmp_path):
             f"soil.{key}", f"change that of a layer, soil.layer.NAME.{own}",
         )  # fmt: skip
     assert parse_scene(text, None, ["soil.layer.clay.K0=0.7"]).soil.layers[1].K0 == 0.7
+    whole = f"soil={{surcharge = '9 kPa', layer = [{{top = '0 m', law = 'elastic', {_ELASTIC}}}]}}"
+    assert parse_scene("", None, [whole, "interface.friction_coefficient=0.3"]).soil.surcharge == 9e3
     (tmp_path / "base.toml").write_text(text, encoding="utf-8")
     axis = '[[axis]]\nkey = "soil.friction_angle_final"\nvalues = ["33 deg", "36 deg"]\n'
     (tmp_path / "study.toml").write_text(f'scene = "base.toml"\n{axis}', encoding="utf-8")
