@@ -64,6 +64,9 @@ def sweep(
     folder = out or Path("out") / f"sweep-{study.stem}"
     refuse_no_folder(folder)
     plan = read_study(study)
+    known = [axis.name for axis in plan.axes]
+    if missing := sorted({*_axes(over)} - {*known}):
+        refuse("--over", f"no axis '{missing[0]}'; there are: {', '.join(known)}")
     say = (lambda _: None) if quiet else to_stderr
     if plan_only:
         ended = studies.planned(plan, folder, again)
@@ -80,6 +83,10 @@ def sweep(
     elif not quiet:
         _print(ended, folder, written)
     _end(ended, plan_only)
+
+
+def _axes(over: str | None) -> list[str]:
+    return [axis.strip() for axis in over.split(",")] if over else []
 
 
 def _outputs(
@@ -99,9 +106,8 @@ def _outputs(
         for name in pictures:
             from pysprings.results.plots.files import save
 
-            axes = [axis.strip() for axis in over.split(",")] if over else []
             stem = study.out / name.replace(":", "-")
-            figure = dataset.draw(data, name, axes)
+            figure = dataset.draw(data, name, _axes(over))
             written |= dict.fromkeys(save(figure, stem, figure_format.split(",")), name)
     return written
 

@@ -251,7 +251,10 @@ def test_a_study_without_springs_leaves_no_dataset_of_an_earlier_one(ended, tmp_
 
 def test_what_cannot_be_written_is_refused_before_a_case_runs(tmp_path):
     make(tmp_path)
-    for options, words in ((("--table", "all.nc"), "ends in .csv or .xlsx"), (("--over", "mu"), "give --picture, too")):
+    for options, words in (
+        (("--table", "all.nc"), "ends in .csv or .xlsx"), (("--over", "mu"), "give --picture, too"),
+        (("--picture", "K_H", "--over", "mu,nu"), "no axis 'nu'; there are: young_modulus, mu"),
+    ):  # fmt: skip
         refused = command("sweep", tmp_path / "study.toml", "--out", tmp_path / "out", *options)
         assert refused.code == 2 and words in refused.err and not (tmp_path / "out").exists()
 
