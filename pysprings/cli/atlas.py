@@ -120,6 +120,7 @@ def atlas(
         print(f"{name}:")
         print_table(Table.of([Column(str(name), str(name), 3) for name in frame], frame.to_dict("records")))
         print()
+    print(f"held back: {made.about['held back']}")
     print(f"{file} ({file.stat().st_size / 1e6:.2f} MB)")
     print(f"pysprings predict --atlas {target} --D ... --L ...")
 

@@ -271,7 +271,7 @@ def atlas_of(
     if held_back is not None:
         with open_study(held_back) as data:  # judged with the share of the mesh, which `about` names
             atlas, compared = calibrated(replace(atlas, about=about), data.load(), at)
-    return replace(atlas, about=about | {"held back": _held_back_words(compared)}), left, compared
+    return replace(atlas, about=about | {"held back": held_back_words(compared)}), left, compared
 
 
 def left_summary(left: LeftOut) -> pd.DataFrame:
@@ -298,15 +298,17 @@ def _about(title: str, samples: Samples, fitted: dict[str, str]) -> dict[str, st
     }  # fmt: skip
 
 
-def _held_back_words(compared: pd.DataFrame | None) -> str:
+def held_back_words(compared: pd.DataFrame | None) -> str:
+    """Return a sentence on the table of `held_back`, or on a check that there was not."""
     if compared is None:
         return "not checked: the deviations lack what rays do not say of pulls"
     words = []
     for row in summary(compared).to_dict("records"):
         place = f" at u/D {row['u_over_D']:g}" if row["u_over_D"] else ""
         words.append(f"{row['quantity']}{place} {row['largest_pct']:.2g} %")
-    cases = compared.loc[compared["quantity"] != "all", "case"].nunique()
-    return f"largest errors on {cases} caissons: {', '.join(words)}"
+    none = compared["quantity"] == "all"
+    left = f"; {none.sum()} without an answer" if none.any() else ""
+    return f"largest errors on {compared.loc[~none, 'case'].nunique()} caissons: {', '.join(words)}{left}"
 
 
 def _left_words(left: LeftOut) -> dict[str, str]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import openpyxl
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -21,7 +22,7 @@ from pysprings.scene.load import SceneText, parse_scene
 from pysprings.scene.template import template_text
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.studies.atlas.between import Process, between, filled
-from pysprings.studies.atlas.build import build
+from pysprings.studies.atlas.build import build, held_back_words
 from pysprings.studies.atlas.samples import Samples, factors, scenes
 from pysprings.studies.design import answer_cases
 from tests.support.commands import command
@@ -260,6 +261,13 @@ def test_an_input_that_is_the_same_in_all_cases_stays_as_it_is(atlas):
     np.testing.assert_allclose(here.values, there.values, atol=0.01 * np.abs(there.values).max())
     with pytest.raises(UserInputError, match=r"alpha: 0\.8 is outside the atlas"):
         own.estimate(atlas.scene(D, 6.5, read_changes(["alpha=0.8"])))
+
+
+def test_a_check_says_what_it_has_no_answer_to():
+    rows = [{"case": k, "quantity": "H", "u_over_D": 0.01, "error_pct": -k, "inside": 1.0} for k in (1, 2)]
+    assert held_back_words(pd.DataFrame(rows)) == "largest errors on 2 caissons: H at u/D 0.01 2 %"
+    beyond = [{"case": 3, "quantity": "all", "why_not": "L/D: 2 is outside the atlas"}]
+    assert held_back_words(pd.DataFrame([*rows, *beyond])).endswith("H at u/D 0.01 2 %; 1 without an answer")
 
 
 def test_cases_of_a_study_may_have_words():
