@@ -19,7 +19,8 @@ On a swipe and under a load that climbs, whose states are imposed, and on a path
 the largest answer of the path.
 
 Read the other way, `u_error_...` is the displacement that the macro-model needs for the full model's load (H and M of
-each recorded state), over the full model's, minus 1. `rotation_point_...`: depth of the point of the axis at rest.
+each recorded state), over the full model's, minus 1; `u_error_half_pct` is the largest up to half of the largest load.
+`rotation_point_...`: depth of the point of the axis at rest.
 
 Paths out of one plane are answered by springs with memory in space (`pysprings.macro.space.compare_in_space`).
 

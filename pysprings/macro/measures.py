@@ -114,14 +114,22 @@ def ends(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
 
 
 def at_equal_load(path: SpringPath, answer: xr.Dataset) -> dict[str, Any]:
-    """Return the largest and last error [%] of the displacement at equal load, and the states whose load is carried."""
+    """Return the largest and last error [%] of the displacement at equal load, and the states whose load is carried.
+
+    The largest stands there for states up to half of the largest load of the path, too.
+    """
     values = answer["u_at_load"].values
     reached = np.isfinite(values)
-    x, worst, last = path.u[: values.size][reached], np.nan, np.nan
+    x, worst, last, within = path.u[: values.size][reached], np.nan, np.nan, np.nan
     if PATH_KINDS[path.kind].drives == "u":  # elsewhere u is 0, or what rounding has left of it
         scale = np.full_like(x, np.abs(x).max(initial=0.0)) if path.turns_back else x
-        worst, last = _relative_errors(x, scale, scale + values[reached] - x)
-    return {"u_error_max_pct": worst, "u_error_end_pct": last, "states_at_load": int(reached.sum()) - 1}
+        own = scale + values[reached] - x
+        worst, last = _relative_errors(x, scale, own)
+        load = np.hypot(path["H"], path["M"] / path.length)
+        half = (load <= 0.5 * load.max(initial=0.0))[: values.size][reached]
+        within, _ = _relative_errors(x, np.where(half, scale, 0.0), own)
+    out = {"u_error_max_pct": worst, "u_error_end_pct": last, "u_error_half_pct": within}
+    return out | {"states_at_load": int(reached.sum()) - 1}
 
 
 def distances(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:

@@ -39,8 +39,9 @@ def springs_at(source: Source, options: Options) -> tuple[Springs, float | None]
 
 
 _ERRORS = {
-    "H": "load", "rotation": "rotation", "M": "moment", "u": "displacement at equal load", "V": "vertical load",
-    "T": "T/R over the largest load",
+    "H_error_max_pct": "load", "rotation_error_max_pct": "rotation", "M_error_max_pct": "moment",
+    "u_error_max_pct": "displacement at equal load", "u_error_half_pct": "that up to half of the largest load",
+    "V_error_max_pct": "vertical load", "T_error_max_pct": "T/R over the largest load",
 }  # fmt: skip
 
 
@@ -159,7 +160,7 @@ def _errors(comparison: pd.DataFrame, given: Springs, V: float | None, kind: str
         used = held if len(held) else rows[(rows["role"] != MEMORY) | (springs == MEMORY)]
         parts = []
         for key, words in _ERRORS.items():
-            sizes = used.get(f"{key}_error_max_pct", pd.Series(np.nan, used.index)).abs()
+            sizes = used.get(key, pd.Series(np.nan, used.index)).abs()
             if np.isfinite(sizes).any():
                 parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
         role = "held-back" if len(held) else "calibration"
@@ -195,9 +196,9 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
 def error_of_row(row: pd.Series | dict, reference: str) -> str:
     """Return a sentence on the errors of one row of the comparison with what the paths are recorded from."""
     parts = [
-        f"{words} {round(row[f'{key}_error_max_pct'], 2) + 0.0:+.2f} %"
+        f"{words} {round(row[key], 2) + 0.0:+.2f} %"
         for key, words in _ERRORS.items()
-        if np.isfinite(row.get(f"{key}_error_max_pct", np.nan))
+        if np.isfinite(row.get(key, np.nan))
     ]
     source = f"springs from {row['springs_from']}, {row['role']} path"
     eta = f"; eta {row['eta_large']:.4f}" if np.isfinite(row["eta_large"]) else ""  # out of one plane there is none

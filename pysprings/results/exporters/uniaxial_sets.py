@@ -53,6 +53,12 @@ STEP = np.radians(5.0)  # between the states of the fit
 HEAVY = 3.0  # weight of the initial stiffness, of which there are few rows
 LEAST = 1e-6  # springs with less than this share of the stiffness are left out
 
+# measures of a path, and the words before them
+_CHECKED = {
+    "H_error_max_pct": "H", "M_error_max_pct": "M", "rotation_error_max_pct": "rotation",
+    "u_error_max_pct": "u at equal load", "u_error_half_pct": "u up to half of the largest load",
+}  # fmt: skip
+
 
 def virtual_table(model: MacroModel, planes: int = 2) -> SpringTable:
     """Return the laws of the springs at virtual depths, in each plane, of a model on a fan."""
@@ -299,10 +305,10 @@ def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
         errors = measures.errors(path, answer, measures.abscissa(path)[:n], path.rules.answers)
         errors |= measures.at_equal_load(path, answer)
         if np.abs(path.u).max() < ROUNDING * springs.length * np.abs(path.rotation).max():
-            errors["u_error_max_pct"] = np.nan  # a rotation about the lid centre
+            errors["u_error_max_pct"] = errors["u_error_half_pct"] = np.nan  # a rotation about the lid centre
         of_role = worst.setdefault(path.role, {})
-        for key, words in (("H", "H"), ("M", "M"), ("rotation", "rotation"), ("u", "u at equal load")):
-            error = float(errors[f"{key}_error_max_pct"])
+        for key, words in _CHECKED.items():
+            error = float(errors[key])
             if np.isfinite(error) and abs(error) >= abs(of_role.get(words, (0.0, ""))[0]):
                 of_role[words] = error, path.name
         if n < path.n:

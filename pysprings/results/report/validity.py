@@ -167,7 +167,7 @@ def _range_sentence(path: RecordedPath) -> str:
 
 _COMPARED = (
     "path", "role", "springs", "springs_from", "eta_small", "eta_large", "H_error_max_pct", "rotation_error_max_pct",
-    "M_error_max_pct", "V_error_max_pct", "u_error_max_pct", "p_error_max_pct", "T_error_max_pct",
+    "M_error_max_pct", "V_error_max_pct", "u_error_max_pct", "u_error_half_pct", "p_error_max_pct", "T_error_max_pct",
     "rotation_point_error_max_m", "H_error_between_pct",
     "rotation_error_between_pct", "M_error_between_pct", "extrapolated_states", "off_path_states", "off_load_states",
 )  # fmt: skip
@@ -183,7 +183,7 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
     columns = filled((COLUMNS[name] for name in _COMPARED), rows)
     note = (
         "max: largest error, macro-model over full model minus 1, at equal displacement; u: displacement "
-        "at equal load; z_rot: depth of the point of rotation. between: the same "
+        "at equal load, half: up to half of the largest load of the path; z_rot: depth of the point of rotation. between: the same "
         "when every second recorded state is left out of the springs. eta = 1 - area between the "
         "load-displacement curves over the area under the full model's, to a small displacement and to the "
         "end. extrapolated, off path, other V: states that the springs do not cover. py: lateral p-y springs alone; "

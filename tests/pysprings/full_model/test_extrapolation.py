@@ -181,8 +181,8 @@ def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
     path = {"name": "slide", "kind": "translation", "lateral_displacement": 0.3}
 
     def tree(size: float, n: int) -> xr.DataTree:
-        mesh = {"discretisation": "fourier", "refinement": size, "harmonics": n}
-        return compute(tiny.parsed(template_text("soft-clay")).replace(mesh=mesh, paths=(path,))).tree
+        mesh = {"preset": "medium", "discretisation": "fourier", "refinement": size, "harmonics": n}
+        return compute(tiny.parsed(template_text("soft-clay")).replace(mesh=mesh, springs={"reach": None}, paths=(path,))).tree
 
     fine, coarse, richest, richer = tree(0.6, 3), tree(0.36, 3), tree(0.6, 5), tree(0.36, 5)
     share = own_estimate.share_of(1.0 / 0.6, 1.7)

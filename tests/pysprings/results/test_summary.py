@@ -51,11 +51,12 @@ def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(
     record, springs = RunRecord.read(folder), pysprings.open_springs(folder / "springs.nc")
     assert record is not None
     own = pysprings.compare(springs)
-    found = {"H_error_max_pct": 1.0, "rotation_error_max_pct": -2.0, "u_error_max_pct": -69.25}
+    found = {"H_error_max_pct": 1.0, "rotation_error_max_pct": -2.0, "u_error_max_pct": -69.25, "u_error_half_pct": 0.5}
     held = own[own["springs"] == "full"].assign(role="held-back", springs="fan", **found)
     lines = summary(read_tree(folder / "full_model.nc"), record, held, springs)
-    assert lines["springs"].endswith("displacement: H 1 %, rotation 2 %; of u at equal load: 69 %")
-    assert lines["use"].startswith("predictions within the range, u under a load up to 69 % off")
+    assert lines["springs"].endswith("displacement: H 1 %, rotation 2 %; of u at equal load: 0.5 % up to half of the largest load, 69 % beyond")
+    within = "predictions within the range, u under a load off by 0.5 % up to half of the largest load, 69 % beyond"
+    assert lines["use"].startswith(within)
     assert "their error is above" not in lines["use"]
     by_path = {"ray": {"load_pct": 6.0}, "down": {"load_pct": 9.0}}  # that of V is no load of lateral paths
     record.error_estimate = {"estimate_pct": {"load_max": 6.0, "vertical_max": 9.0}, "by_path": by_path}
