@@ -256,10 +256,12 @@ def _springs(run: Run) -> str:
 
 
 def _of_u(worst: Mapping[str, float]) -> str:
-    size, half = worst[_U], worst.get(_HALF, math.inf)
-    if half >= size:
-        return f"{number(size, 2)} %"
-    return f"{number(half, 2)} % up to half of the largest load, {number(size, 2)} % beyond"
+    size, half = (number(worst.get(key, math.nan), 2) for key in (_U, _HALF))
+    return (
+        f"{size} %"
+        if half in (size, number(math.nan, 2))
+        else f"{half} % up to half of the largest load, {size} % beyond"
+    )
 
 
 def _warnings(run: Run) -> str:
@@ -323,6 +325,11 @@ def _held_back(run: Run) -> dict[str, float] | None:
     own = own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]
     if own.empty:
         return None
-    columns = {"H": "H_error_max_pct", "rotation": "rotation_error_max_pct", _U: "u_error_max_pct", _HALF: "u_error_half_pct"}
+    columns = {
+        "H": "H_error_max_pct",
+        "rotation": "rotation_error_max_pct",
+        _U: "u_error_max_pct",
+        _HALF: "u_error_half_pct",
+    }
     worst = {name: float(own[column].abs().max()) for name, column in columns.items()}
     return {name: value for name, value in worst.items() if math.isfinite(value)}

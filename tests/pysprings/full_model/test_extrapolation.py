@@ -182,7 +182,9 @@ def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
 
     def tree(size: float, n: int) -> xr.DataTree:
         mesh = {"preset": "medium", "discretisation": "fourier", "refinement": size, "harmonics": n}
-        return compute(tiny.parsed(template_text("soft-clay")).replace(mesh=mesh, springs={"reach": None}, paths=(path,))).tree
+        return compute(
+            tiny.parsed(template_text("soft-clay")).replace(mesh=mesh, springs={"reach": None}, paths=(path,))
+        ).tree
 
     fine, coarse, richest, richer = tree(0.6, 3), tree(0.36, 3), tree(0.6, 5), tree(0.36, 5)
     share = own_estimate.share_of(1.0 / 0.6, 1.7)

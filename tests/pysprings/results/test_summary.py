@@ -54,7 +54,9 @@ def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(
     found = {"H_error_max_pct": 1.0, "rotation_error_max_pct": -2.0, "u_error_max_pct": -69.25, "u_error_half_pct": 0.5}
     held = own[own["springs"] == "full"].assign(role="held-back", springs="fan", **found)
     lines = summary(read_tree(folder / "full_model.nc"), record, held, springs)
-    assert lines["springs"].endswith("displacement: H 1 %, rotation 2 %; of u at equal load: 0.5 % up to half of the largest load, 69 % beyond")
+    assert lines["springs"].endswith(
+        "displacement: H 1 %, rotation 2 %; of u at equal load: 0.5 % up to half of the largest load, 69 % beyond"
+    )
     within = "predictions within the range, u under a load off by 0.5 % up to half of the largest load, 69 % beyond"
     assert lines["use"].startswith(within)
     assert "their error is above" not in lines["use"]
