@@ -133,7 +133,8 @@ _NOTES = [
     "the largest are left out; '-': imposed or undefined",
     "on a swipe, under a load that climbs, where a path turns back, and of a load that changes its sign errors are "
     "relative to the largest of the path",
-    "u: error of the displacement at equal load, half: up to half of the largest load of the path; z_rot: depth of the point of rotation, at the end and largest error",
+    "u: error of the displacement at equal load, half: up to half of the largest load of the path; "
+    "z_rot: depth of the point of rotation, at the end and largest error",
     "between: the largest error when every second recorded state is left out of the springs",
     "eta = 1 - area between the load-displacement curves / area of the full model's; "
     f"small: to outer diameter / {1 / SMALL_OVER_DIAMETER:.0f}",
@@ -163,8 +164,8 @@ def to_dict(frame: pd.DataFrame) -> dict[str, Any]:
         "eta": "1 - area between load-displacement curves / area under the full model's",
         "eta_small_to": f"outer diameter * {SMALL_OVER_DIAMETER:g}; over the skirt length on a rotation path",
         "errors": "(macro - full) / full in percent, at equal displacement",
-        "u_error": "displacement at equal load (H and M of each state), macro / full - 1 in percent; half: up to half of "
-        "the largest load of the path",
+        "u_error": "displacement at equal load (H and M of each state), macro / full - 1 in percent; half: up to half "
+        "of the largest load of the path",
         "states_at_load": "states whose load the springs carry",
         "rotation_point": "depth of the point of the axis at rest, u/rotation, at the end; error_max: over all states",
         "skip_below": SKIP_BELOW,

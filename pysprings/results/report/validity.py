@@ -183,8 +183,8 @@ def compare_table(compare: pd.DataFrame | None) -> Table | None:
     columns = filled((COLUMNS[name] for name in _COMPARED), rows)
     note = (
         "max: largest error, macro-model over full model minus 1, at equal displacement; u: displacement "
-        "at equal load, half: up to half of the largest load of the path; z_rot: depth of the point of rotation. between: the same "
-        "when every second recorded state is left out of the springs. eta = 1 - area between the "
+        "at equal load, half: up to half of the largest load of the path; z_rot: depth of the point of rotation. "
+        "between: the same when every second recorded state is left out of the springs. eta = 1 - area between the "
         "load-displacement curves over the area under the full model's, to a small displacement and to the "
         "end. extrapolated, off path, other V: states that the springs do not cover. py: lateral p-y springs alone; "
         "full: with distributed moment, tip and lid terms; fan: all of them by displacement and rotation, from all "
