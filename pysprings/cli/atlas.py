@@ -69,14 +69,15 @@ def scene_of(atlas: Atlas, asked: Asked) -> Scene:
     from pysprings.scene.changes import VERTICAL_LOAD, read_changes, vertical_load
     from pysprings.scene.load import SceneText
 
-    changes = [atlas.named(change) for change in read_changes(asked.changes)]
+    text = None if asked.scene is None else SceneText.read(asked.scene)
+    changes = [atlas.named(change, text) for change in read_changes(asked.changes)]
     if asked.V is not None and all(change.keys != VERTICAL_LOAD for change in changes):
         changes.append(vertical_load(asked.V))
-    if asked.scene is None:
+    if text is None:
         return atlas.scene(asked.D, asked.L, changes)
     if asked.D is not None or asked.L is not None:
         refuse("--D", "the scene file has it: give a scene file, or --D and --L", asked.scene)
-    return SceneText.read(asked.scene).scene(changes)
+    return text.scene(changes)
 
 
 def atlas(

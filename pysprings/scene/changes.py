@@ -85,7 +85,7 @@ def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
     for part in place:
         name = str(part)
         if isinstance(part, int):
-            names = _names(data)
+            names = names_of(data)
             name = names[part]
             if "." in name or names.count(name) > 1:
                 text = f"the name {quoted(name)} has a dot, or stands twice: give each a name of its own"
@@ -95,7 +95,8 @@ def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
     return tuple(keys)
 
 
-def _names(tables: list[Any]) -> list[str]:
+def names_of(tables: list[Any]) -> list[str]:
+    """Return the names of the entries of a list, as changes have them: numbers from 1 of those without."""
     return [str(each.get("name", k + 1)) if isinstance(each, dict) else "" for k, each in enumerate(tables)]
 
 
@@ -107,7 +108,7 @@ def _table(table: Any, key: str, change: Change) -> Any:
 
 
 def _entry(tables: list[Any], name: str, change: Change) -> int:
-    names = _names(tables)
+    names = names_of(tables)
     if names.count(name) > 1:
         raise _refused(change, f"{names.count(name)} have the name '{name}': give each a name of its own")
     if name in names:

@@ -21,7 +21,7 @@ from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
 from pysprings.scene import sections
 from pysprings.scene.by_depth import STRONGER, WEAKER, ByDepth, disordered, incomplete, picked, ranges_in, take_estimate
-from pysprings.scene.changes import OPTION, Change, applied, named, read_changes
+from pysprings.scene.changes import OPTION, Change, applied, named, names_of, read_changes
 from pysprings.scene.checks import dotted
 from pysprings.scene.design_load import Design, take_cases
 from pysprings.scene.fields import FROM_TOML
@@ -95,6 +95,13 @@ class SceneText:
     def has_ranges(self) -> bool:
         """Whether a value of the scene, or of its table of layers, has a range."""
         return any(ranges_in(self._data))
+
+    @property
+    def layers(self) -> list[str]:
+        """Names of the layers, as changes have them; none of a scene without layers."""
+        soil = self._data.get("soil")
+        tables = soil.get("layer") if isinstance(soil, dict) else None
+        return names_of(tables) if isinstance(tables, list) else []
 
     @property
     def ranges(self) -> list[tuple[tuple[str, ...], dict[str, Any]]]:

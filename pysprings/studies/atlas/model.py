@@ -125,10 +125,17 @@ class Atlas:
         ]  # fmt: skip
         return self.text.scene([*given, *more])
 
-    def named(self, change: Change) -> Change:
-        """Return a change with its key in full where it has a short name of the family."""
+    def named(self, change: Change, text: SceneText | None = None) -> Change:
+        """Return a change with its key in full where it has a short name of the family, for a scene or the base scene.
+
+        A value of the ground is that of the first layer of the scene, or of its one soil.
+        """
         name = ".".join(change.keys)
-        return Change(tuple(self.family.short.get(name, name).split(".")), change.value)
+        section, *keys = self.family.short.get(name, name).split(".")
+        if section == "soil" and name in self.family.short and text is not None:
+            own = keys[2:] if keys[0] == "layer" else keys
+            keys = ["layer", text.layers[0], *own] if text.layers else own
+        return Change((section, *keys), change.value)
 
     def estimate(self, scene: Scene, extrapolate: bool = False) -> Estimate:
         """Return what is expected of a scene.

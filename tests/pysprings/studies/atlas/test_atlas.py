@@ -153,6 +153,24 @@ def test_a_scene_without_layers_is_the_same_as_one_with_a_layer(atlas):
     assert float(one["u"]) == float(other["u"]) > 0.0
 
 
+def test_short_names_are_those_of_the_ground_of_a_scene_file(tmp_path):
+    """Of a layer of any name, and of a soil without layers, in clay and in sand."""
+    clay = CLAY_SCENE.replace('"12 MN"', '"6 MN"')
+    layered = clay.replace("yield_surface", '[[soil.layer]]\ntop = "0 m"\nname = "soft clay"\nlaw')
+    sand = pysprings.open_atlas("sand").scene(8.0, 6.0).to_toml()
+    one, ground = 'surcharge = "4 kPa"\n', sand.partition("[soil]\n")[2].partition("\n\n")[0]
+    layer = sand.replace(ground, f'{one}[[soil.layer]]\ntop = "0 m"\nname = "dense"\n{ground.replace(one, "")}')
+    found = []
+    for name, text, change in (("clay", clay, "su=30 kPa"), ("clay", layered, "su=30 kPa"),
+                               ("sand", sand, "phi=40 deg"), ("sand", layer, "phi=40 deg")):  # fmt: skip
+        (tmp_path / "own.toml").write_text(text, encoding="utf-8")
+        asked = ("predict", tmp_path / "own.toml", "--atlas", name, "--H", "500 kN", "--json")
+        plain, other = (json.loads(command(*asked, *more).out) for more in ((), ("--set", change)))
+        found.append(other["states"][-1]["u"])
+        assert found[-1] < 0.99 * plain["states"][-1]["u"]
+    assert found[0] == found[1] and found[2] == found[3]
+
+
 @pytest.mark.parametrize("name", ["clay", "clay-gap", "sand"])
 @pytest.mark.parametrize(
     ("text", "words"),
