@@ -411,9 +411,11 @@ def _along_load(scene: Scene, path: Path) -> np.ndarray:
 
 
 def _times(path: Path, parts: int) -> list[float]:
-    """Return the time (s) of each part of a path, 0 where none is given; those of a circle share its own."""
+    """Return the time (s) of each part of a path, 0 where none is given; a circle goes at one velocity."""
     if path.kind == "circle":
-        return [(path.duration or 0.0) / parts] * parts
+        side = 2.0 * math.sin(math.pi / CHORDS)  # over the radius
+        pace = (path.duration or 0.0) / (1.0 + (parts - 1) * side)
+        return [pace, *[pace * side] * (parts - 1)]
     return [path.duration or 0.0, *(then.time or 0.0 for then in path.then)]
 
 

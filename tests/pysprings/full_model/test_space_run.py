@@ -351,6 +351,16 @@ def test_a_turned_path_has_a_turned_answer():
         assert np.abs(turned - straight).max() < 0.02 * np.abs(straight).max()
 
 
+def test_a_circle_goes_at_one_velocity():
+    """The radius is eleven times as long as a side: in the same time its water would drain less."""
+    given = scene({"name": "round", "kind": "circle", "radius": 5e-3, "duration": 60.0} | HELD, **WATER)
+    stages = path_stages(given, given.all_paths[0], 0.0)
+    ends = np.array([[0.0, 0.0], *(stage.target[:2] for stage in stages)])
+    times = np.array([stage.duration for stage in stages])
+    np.testing.assert_allclose(np.linalg.norm(np.diff(ends, axis=0), axis=1) / times, 5e-3 * 7.2812 / 60.0, rtol=1e-4)
+    assert times.sum() == pytest.approx(60.0)
+
+
 def test_a_circle_is_one_side_after_the_other_around():
     path = scene({"name": "round", "kind": "circle", "radius": 5e-3, "direction": np.pi / 2} | HELD).all_paths[0]
     stages = path_stages(scene(), path, 0.0)
