@@ -152,7 +152,7 @@ def _state(study: Study, case: Case, asked: str) -> State:
     if asked == AGAIN:
         (folder / worker.ENDED).unlink(missing_ok=True)
         return State(hash=folder.name)
-    ended = worker.read_ended(folder)
+    ended = worker.read_ended(folder, study.plan.keep == "all")
     if ended is None or ended.status == STOPPED:
         return State(hash=folder.name)
     return State(ended.status, ended.reason, ended.seconds, folder.name)

@@ -183,11 +183,16 @@ class Answer:
     is_resource: bool = False
 
 
-def read_ended(folder: Path) -> Ended | None:
-    """Return how a case ended by its folder; None where it has not, or with another version."""
+def read_ended(folder: Path, keep_all: bool = False) -> Ended | None:
+    """Return how a case ended by its folder; None where it has not, with another version, or without its full model.
+
+    keep_all : whether the study keeps all files of a case.
+    """
     try:
         ended = Ended(**json.loads((folder / ENDED).read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError):
+        return None
+    if keep_all and ended.status in (DONE, SHORT) and not (folder / "full_model.nc").exists():
         return None
     return ended if ended.version == Ended.version and RunRecord.has_whole_results(folder) else None
 
@@ -211,7 +216,7 @@ def _is_shared(out: Path, sign: str) -> bool:
 
 
 def _run(task: Task, folder: Path) -> Answer:
-    if (known := read_ended(folder)) is not None:
+    if (known := read_ended(folder, task.keep_all)) is not None:
         return Answer(known)
     start = time.monotonic()
     try:

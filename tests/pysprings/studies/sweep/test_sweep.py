@@ -63,7 +63,8 @@ def run_here(planned):
     for case in planned.plan.cases:
         if planned.states[case.number].status == "waiting":
             scene = planned.plan.scene_of(case).to_toml()
-            task = worker.Task(case.number, scene, str(planned.out), planned.hashes[case.number], "sign")
+            keep_all = planned.plan.keep == "all"
+            task = worker.Task(case.number, scene, str(planned.out), planned.hashes[case.number], "sign", keep_all)
             study._take(planned, worker.run_case(task))
     planned.write(force=True)
 
@@ -95,6 +96,15 @@ def test_what_has_ended_is_not_run_again(ended):
     run_here(again)
     assert before == {file: file.stat().st_mtime_ns for file in ended.out.glob("cases/*/run.json")}
     assert again.ran == 0
+
+
+def test_a_study_that_keeps_all_files_makes_those_that_are_missing(tmp_path):
+    one = 'scene = "base.toml"\n[[axis]]\nkey = "soil.young_modulus"\nvalues = ["100 MPa"]\n'
+    for keep, there in (("springs", False), ("all", True)):
+        planned = study.planned(make(tmp_path, f'keep = "{keep}"\n{one}'), tmp_path / "out")
+        run_here(planned)
+        assert (planned.folder(1) / "full_model.nc").exists() == there and planned.ran == 1
+    assert study.planned(planned.plan, planned.out).states[1].status == DONE
 
 
 def test_the_dataset_has_a_dimension_an_axis_and_the_numbers_of_each_run(ended):
