@@ -70,7 +70,7 @@ def predict_batch(
     - `extrapolated`: beyond the calibrated range, answered with extrapolate only;
     - `beyond_end`: beyond a limit load of the full model, never answered;
     - `converged` 0: no equilibrium (u, w, rotation NaN);
-    - `off_path`, `off_load`, `past_peak`: answered, and supported in part.
+    - `off_path`, `off_load`, `off_rate`, `past_peak`: answered, and supported in part.
 
     `utilisation_V` is V over the largest known vertical load of its sign, where the springs have vertical paths.
     `utilisation` is the load over the largest known one in its direction, `capacity_H` [N], `capacity_M` [N m]; it is a

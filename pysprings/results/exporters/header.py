@@ -134,9 +134,12 @@ def _ranges(springs: Springs) -> Iterator[str]:
     down = [path for path in paths if path.calibrates and path.is_vertical]
     if down:
         w, V = (np.concatenate([path[key] for path in down]) for key in ("w", "V"))
+        paces = dict.fromkeys(f"{1e3 * path.rate:.4g}" for path in down if path.rate and springs.rate_sets)
         yield (
             f"range of the springs, {len(down)} vertical paths: w from {1e3 * w.min():.4g} to {1e3 * w.max():.4g} mm, "
             f"V from {1e-3 * V.min():.5g} to {1e-3 * V.max():.5g} kN"
+            + f", at {', '.join(paces)} mm/s of w"
+            * bool(paces)
         )
     yield from (f"path {path.name} {path.end.words}" for path in paths if path.end.failed)
 

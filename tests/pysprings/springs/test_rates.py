@@ -232,6 +232,7 @@ def test_curves_for_a_beam_program_are_those_of_a_rate(tmp_path: Path) -> None:
     found = command("springs", file, "--for", "beam", "--rate", "0.1 mm/s")
     assert found.code == 0 and "; rate: 0.1 mm/s;" in found.out
     assert "several rates" in command("springs", file, "--for", "beam").err
+    assert ", at 0.01 mm/s of w\n" in exporters.text(with_vertical(1e-5), "beam", rate=1e-3)
     assert "--rate: is an option of --for beam" in command("springs", file, "--rate", "0.1 mm/s").err
 
 
