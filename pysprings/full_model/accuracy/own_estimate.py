@@ -4,39 +4,24 @@
 It comes after the result, which is kept however this ends. A Fourier series is run on the coarser mesh with N and, a
 few paths of it, with N + 2 harmonics. Where both differ, all paths are run with N + 2, and the difference is added to
 the result's reactions; what that leaves may ask for more harmonics, and the scene runs again. Its paths are
-extrapolated at equal motion from both meshes of one family (Richardson 1911).
-
-Each reaction and each free motion q of the finer mesh becomes q + (q - q_c)/(r^o - 1): q_c is that of the coarser mesh
-where the path has come as far, r the ratio of the cells, o the order that the study of sections found (docs/evidence,
-"Sections"). What two harmonics more change on the coarser mesh is added: both errors are small, and their product is
-left out (the combination technique, Griebel, Schneider and Zenger 1992). One share for all quantities keeps what is
-linear in them: sums of reactions remain the loads, a load its height, y(z) = u - rotation z.
-
-Vertical paths in sand depend on the elements beside the tip, and on little else. They are run again with those halved,
-in a series of one harmonic (they are axisymmetric): q - (1 + 1/(2^o - 1)) (q - q_h), with o = 1 where the tip bears.
+extrapolated from both meshes, vertical ones in sand from elements halved at the tip (see `extrapolation`).
 """
 
 import math
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
-import numpy as np
 import xarray as xr
-from scipy.interpolate import CubicHermiteSpline
 
 from fe_engine.clock import Clock
-from pysprings.core import variables
-from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete, UserInputError, reason_of
-from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.core.progress import Progress
 from pysprings.core.words import StopReason
 from pysprings.full_model.accuracy import two_mesh
-from pysprings.full_model.accuracy.measures import driver_of
+from pysprings.full_model.accuracy.extrapolation import Beside, extrapolated, has_equal_motion, share_of
 from pysprings.full_model.accuracy.presets import FOURIER
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.record import Meter
@@ -44,221 +29,12 @@ from pysprings.full_model.run_record import Computed
 from pysprings.model.fourier_mesh import COHESIVE, FRICTIONAL, ground_of_sections
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import MOST_HALVINGS, Path
-from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
-from pysprings.springs.path_ends import MESH_ERROR, end_numbers
-from pysprings.springs.tip_zone import shares
+from pysprings.springs.path import paths_of, space_paths_of
+from pysprings.springs.path_ends import MESH_ERROR
 
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
 ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
-PUSHED, PULLED = 1.0, 2.0  # of vertical paths in sand, in the elements beside the tip (error-estimates-vertical.csv)
 LEAST_RATIO = 1.6  # of the cells: closer meshes would multiply what is not of the mesh, such as tolerances and steps
-_DEPTHS = ("p_component", "m", "t")
-_ORDER = ("depth", "side", "component", "step")
-_SAME = 1e-9  # of the way: states within it are one
-
-
-class NotAlike(ValueError):
-    """The path of the coarser mesh does not come as far, or the ways of both have no common measure."""
-
-
-def share_of(ratio: float, order: float) -> float:
-    """Return what is added of the difference of two meshes: 1/(r^o - 1)."""
-    return 1.0 / (ratio**order - 1.0)
-
-
-@dataclass
-class Extrapolated:
-    """A result with extrapolated paths.
-
-    Each path that is extrapolated has a group `extrapolated` beside its own values (`springs.path.paths_of` takes it in
-    their place). halved : those that are from smaller elements beside the tip; not_alike : by path why it is not
-    extrapolated; without : by extrapolated path why it lacks what more harmonics change.
-    """
-
-    tree: xr.DataTree
-    halved: list[str] = field(default_factory=list)
-    not_alike: dict[str, str] = field(default_factory=dict)
-    without: dict[str, str] = field(default_factory=dict)
-
-    def add(self, name: str, better: xr.Dataset) -> None:
-        """Add the extrapolated variables of a path."""
-        self.tree[f"paths/{name}"].attrs["meshes"] = f"one; '{variables.EXTRAPOLATED}' has what {MESH_ERROR} is of"
-        self.tree[f"paths/{name}/{variables.EXTRAPOLATED}"] = xr.DataTree(better.assign_attrs(meshes="two"))
-
-
-def extrapolated(
-    fine: xr.DataTree, coarse: xr.DataTree, share: float,
-    richer: xr.DataTree | None = None, halved: xr.DataTree | None = None,
-) -> Extrapolated:  # fmt: skip
-    """Extrapolate the paths of the finer mesh from those of the coarser one.
-
-    ``richer`` is the coarser mesh with more harmonics, ``halved`` the finer one with smaller elements beside the tip.
-    """
-    found = Extrapolated(fine.copy(deep=False))
-    other, more, near = ({} if tree is None else paths_of(tree, of_mesh=True) for tree in (coarse, richer, halved))
-    for name, path in paths_of(fine, of_mesh=True).items():
-        cells, harmonics = None, None
-        try:
-            cells = _beside(path, other.get(name))
-        except NotAlike as error:
-            found.not_alike[name] = str(error)
-        with suppress(NotAlike):
-            if name in near:
-                whole = -1.0 - share_of(2.0, _order_at_tip(path))
-                halves = _from_rest(path, _beside(path, near[name]), cells, share / whole)
-                found.add(name, _path(path, whole, halves))
-                found.halved.append(name)
-                found.not_alike.pop(name, None)
-                continue
-        if cells is None:
-            continue
-        try:
-            harmonics = None if richer is None else _beside(path, more.get(name))
-        except NotAlike as error:
-            found.without[name] = str(error)
-        found.add(name, _path(path, share, cells, harmonics))
-    return found
-
-
-def _order_at_tip(path: RecordedPath) -> float:
-    """Return the order of a vertical path in the elements beside the tip, by where its largest motion goes."""
-    moved = path.recorded["w"].values - path.recorded["w"].values[0]
-    return PUSHED if moved[np.abs(moved).argmax()] > 0.0 else PULLED
-
-
-def has_equal_motion(path: RecordedPath) -> bool:
-    """Return whether a motion drives a path, so that meshes can be compared at equal motion."""
-    return not path.rules.force
-
-
-Reactions = dict[str, Array]
-
-
-def _path(fine: RecordedPath, share: float, cells: Reactions, harmonics: Reactions | None = None) -> xr.Dataset:
-    """Return the extrapolated variables of a path, from those of coarser cells, and of these with more harmonics."""
-    own, new = fine.recorded, {}
-    steps = np.flatnonzero(own["converged"].values == 1)
-    rules = PATH_KINDS[fine.kind]
-    held = set() if rules.conjugate else {"u", "rotation"} & set(rules.holds)  # not w: both meshes settle before
-    for name in (name for name in cells if name not in held):
-        order = _axes(own, name)
-        values = np.array(own[name].transpose(*order).values, dtype=float)
-        values[..., steps] += share * (values[..., steps] - cells[name])
-        if harmonics is not None:
-            values[..., steps] += harmonics[name] - cells[name]
-        new[name] = (order, values)
-    return _with_sums(own, new)
-
-
-def _axes(path: xr.Dataset, name: str) -> tuple[str, ...]:
-    return tuple(sorted(map(str, path[name].dims), key=_ORDER.index))
-
-
-def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
-    """Return reactions and free motions of a path of another mesh at the converged steps and the slices of the finer.
-
-    Beyond the end of a path at its limit load the difference of both stays as it is there.
-    Raises NotAlike: the path did not come as far there, or has no equal motion.
-    """
-    if path is None:
-        raise NotAlike("it did not start on the coarser mesh")
-    own, other = fine.recorded, path.dataset
-    if not has_equal_motion(fine):
-        raise NotAlike("a load drives it: both meshes have no equal motion")
-    at, known = _way(fine.dataset, fine.length), _way(other, fine.length)
-    flat = str(other.attrs["status"]) == "limit load"
-    if at[-1] > known[-1] * (1.0 + _SAME) and not flat:
-        raise NotAlike(f"it stopped on the coarser mesh at {100.0 * known[-1] / at[-1]:.0f} % of its way")
-    way, at, found = at, np.minimum(at, known[-1]), {}
-    for name in (name for name in variables.GROUPS[variables.EXTRAPOLATED] if name in own and name in other):
-        if name in ("p", "y"):
-            continue
-        found[name] = _between(known, other[name].transpose(*_axes(own, name)).values, at)
-    _resliced(found, other, fine.dataset)
-    beyond = way > at
-    for name in found if beyond.any() else ():
-        values = fine.dataset[name].transpose(*_axes(own, name)).values
-        found[name][..., beyond] += values[..., beyond] - _between(way, values, known[-1:])
-    return found
-
-
-def _from_rest(fine: RecordedPath, halved: Reactions, coarse: Reactions | None, share: float) -> Reactions:
-    """Return reactions with halved elements, of which the change from rest counts: at rest a path is as all others are.
-
-    ``share`` of the difference from the coarser mesh at rest stands for that from halved elements.
-    """
-    for name, values in halved.items():
-        rest = fine.dataset[name].transpose(*_axes(fine.recorded, name)).values[..., :1]
-        other = rest if coarse is None else coarse[name][..., :1]
-        halved[name] = values - values[..., :1] + rest - share * (rest - other)
-    return halved
-
-
-def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -> xr.Dataset:
-    """Return the variables with p, the sum over sides and components, and y, in the order of the path's own."""
-    p = new["p_component"][1].sum(axis=(1, 2))
-    u, turn = (new[n][1] if n in new else own[n].values for n in ("u", "rotation"))
-    moved = (u - own["u"].values) - np.outer(own["depth"].values, turn - own["rotation"].values)
-    y = own["y"].transpose("depth", "step").values + moved
-    found = xr.Dataset(new | {"p": (("depth", "step"), p), "y": (("depth", "step"), y)})
-    whole = own.assign({name: found[name].transpose(*own[name].dims) for name in found})
-    values = whole[list(found)].drop_vars(list(whole[list(found)].coords))
-    values.attrs = end_numbers(whole)
-    return variables.attach(values, variables.EXTRAPOLATED)
-
-
-def _way(path: xr.Dataset, length: float) -> Array:
-    """Return how far a path has come at each step [m], growing; rests of a timed path count by their time.
-
-    Raises NotAlike: states share a place: a load changes while nothing moves.
-    """
-    if direction_of_load(path.attrs) is not None:
-        way = driver_of(path, length)
-    else:
-        sizes = {"u": 1.0, "w": 1.0, "rotation": length}
-        holds = PATH_KINDS[str(path.attrs["kind"])].holds
-        moved = [sizes[name] * np.abs(np.diff(path[name].values)) for name in holds]
-        way = np.concatenate([[0.0], np.cumsum(np.sum(moved, axis=0))])
-    time = path["time"].values - path["time"].values[0]
-    way = way + (way[-1] * time / time[-1] if time[-1] > 0.0 else 0.0)
-    if path.sizes["step"] < 2 or not (np.diff(way) > _SAME * way[-1]).all():
-        raise NotAlike("its load changes while it rests")
-    return np.asarray(way)
-
-
-def _between(x: Array, values: Array, at: Array) -> Array:
-    """Return values (..., n) between the places x (n,): cubic, its slopes those of parabolas through three states.
-
-    It is linear in the values, so that sums of reactions are kept.
-    """
-    order: Literal[1, 2] = 2 if x.size > 2 else 1
-    slopes = np.gradient(values, x, axis=-1, edge_order=order)
-    return np.asarray(CubicHermiteSpline(x, values, slopes, axis=-1)(at))
-
-
-def _resliced(found: Reactions, path: xr.Dataset, fine: xr.Dataset) -> None:
-    """Put reactions per metre of a path (depth, ..., step) into the slices of a finer mesh, at the same states.
-
-    In each of its slices p, m and t differ by one value from those of the finer mesh: jumps between layers and the peak
-    at the tip stay where they are. Force is kept; m takes what the place of p changes, so that the moment is, too.
-    """
-    bounds, slices = path["depth_bounds"].values, fine["depth_bounds"].values
-    edges, new = (np.append(each[:, 0], each[-1, 1]) for each in (bounds, slices))
-    own = {name: fine[name].transpose(*_axes(fine, name)).values for name in _DEPTHS if name in found}
-    mean, spread = (
-        partial(np.tensordot, shares(slices, edges), axes=1),
-        partial(np.tensordot, shares(bounds, new), axes=1),
-    )
-    levers = _levers(found, path)
-    for name, values in own.items():
-        found[name] = values + spread(found[name] - mean(values))
-    found["m"] = found["m"] + spread(mean(_levers(found, fine)) - levers)
-
-
-def _levers(found: Reactions, path: xr.Dataset) -> Array:
-    """Return p times its depth [N], (depth, side, step)."""
-    return np.asarray(path["depth"].values[:, None, None] * found["p_component"].sum(axis=2))
-
 
 Compute = Callable[..., Computed]
 PHASE = "error estimate"  # also its name among the parts of a run that were not made
@@ -516,7 +292,9 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
         vertical = {path.name for path in vertical_paths(scene)}  # axisymmetric
         whole = richer is not None and _names(coarse) - vertical <= _names(richer)  # a fan is corrected as a whole
         halved = companions.halved.get(1)
-        made, given["extrapolated"] = _extrapolated(scene, result, coarse, ratio, richer if whole else None, halved)
+        made, given["extrapolated"] = _extrapolated(
+            scene, result, Beside(coarse, richer if whole else None, halved), ratio
+        )
         changes = {} if halved is None else two_mesh.differences(result.tree, halved)
         given["near"] = {name: each for name, each in changes.items() if name in given["extrapolated"]["halved"]}
     estimate = two_mesh.estimate(result.tree, coarse, **given)
@@ -533,23 +311,16 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     return made
 
 
-def _extrapolated(
-    scene: Scene,
-    result: Computed,
-    coarse: xr.DataTree,
-    ratio: float,
-    richer: xr.DataTree | None,
-    halved: xr.DataTree | None,
-) -> tuple[Computed, dict[str, Any]]:
+def _extrapolated(scene: Scene, result: Computed, beside: Beside, ratio: float) -> tuple[Computed, dict[str, Any]]:
     """Return a result with extrapolated paths, and how they were extrapolated, as run.json has it."""
-    order = ORDERS[ground_of_sections(scene)]
+    order, richer = ORDERS[ground_of_sections(scene)], beside.richer
     share = share_of(ratio, order)
-    found = extrapolated(result.tree, coarse, share, richer, halved)
+    found = extrapolated(result.tree, beside, share)
     tree, not_alike, record = found.tree, found.not_alike, result.record
     paths = paths_of(tree)
     names = [name for name in paths if name not in not_alike]
     if names:
-        sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, coarse))
+        sizes = " and ".join(f"{each.attrs['n_unknowns']:,}" for each in (tree, beside.coarse))
         record.remarks.append(f"reactions extrapolated from meshes of {sizes} unknowns (order {order:g})")
     corrected = [] if richer is None else [n for n in names if n not in {*found.without, *found.halved}]
     if found.halved:

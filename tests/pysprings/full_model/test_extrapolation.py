@@ -17,7 +17,8 @@ from pysprings import Scene, predict, predict_batch
 from pysprings.core.errors import TargetMissed
 from pysprings.core.storage import read_tree
 from pysprings.core.text import number
-from pysprings.full_model.accuracy import own_estimate, target, two_mesh
+from pysprings.full_model.accuracy import extrapolation, target, two_mesh
+from pysprings.full_model.accuracy.extrapolation import Beside, extrapolated, share_of
 from pysprings.full_model.compute import RunOptions, Sink, compute, run_into
 from pysprings.full_model.run_record import Computed, RunRecord
 from pysprings.results.folder import run_to_folder, run_to_target
@@ -122,9 +123,9 @@ def test_all_extrapolated_paths_begin_at_one_settlement() -> None:
         compute(scene(paths=(PULL, DOWN), caisson=caisson, mesh=SERIES["mesh"] | mesh)).tree
         for mesh in ({"refinement": 0.6}, {"refinement": 0.4}, {"refinement": 0.6, "halvings": 1})
     )
-    near = own_estimate.extrapolated(fine, coarse, 0.5, halved=halved)
+    near = extrapolated(fine, Beside(coarse, halved=halved), 0.5)
     assert near.halved == ["pull", "down"]
-    for tree in (near.tree, own_estimate.extrapolated(fine, coarse, 0.5).tree):
+    for tree in (near.tree, extrapolated(fine, Beside(coarse), 0.5).tree):
         starts_at_one_rest(fine, tree)
     rest = [paths_of(each)["down"].dataset[["t", "V_tip", "V_lid", "w"]].isel(step=0) for each in (near.tree, tree)]
     xr.testing.assert_allclose(*rest, rtol=1e-9, atol=1e-6)
@@ -142,8 +143,8 @@ def test_three_meshes_of_one_family_show_that_two_are_better_than_the_finer_one(
     coarse, fine, truth = (
         compute(scene(paths=(path,), mesh=SERIES["mesh"] | {"refinement": size})).tree for size in (0.6, 1.0, 2.2)
     )
-    share = own_estimate.share_of(1.0 / 0.6, 2.0)
-    found = own_estimate.extrapolated(fine, coarse, share)
+    share = share_of(1.0 / 0.6, 2.0)
+    found = extrapolated(fine, Beside(coarse), share)
     assert not found.not_alike
     both = found.tree
     u, H = (paths_of(truth)["pull"][name] for name in ("u", "H"))
@@ -167,10 +168,10 @@ def test_smaller_elements_at_the_tip_are_what_a_push_into_sand_needs() -> None:
 
     truth = paths_of(tree(1.5, 2))["down"]["V"]
     fine, coarse, halved = tree(1.0, 0, 3), tree(0.6, 0), tree(1.0, 1)
-    share = own_estimate.share_of(1.0 / 0.6, 2.0)
-    found = own_estimate.extrapolated(fine, coarse, share, halved=halved)
+    share = share_of(1.0 / 0.6, 2.0)
+    found = extrapolated(fine, Beside(coarse, halved=halved), share)
     assert found.halved == ["down"]
-    other = own_estimate.extrapolated(fine, coarse, share).tree
+    other = extrapolated(fine, Beside(coarse), share).tree
     change = float(truth[-1] - truth[0])
     errors = [abs(float(paths_of(each)["down"]["V"][-1] - truth[-1]) / change) for each in (fine, other, found.tree)]
     assert errors[2] < 0.5 * min(errors[:2])
@@ -187,10 +188,14 @@ def test_harmonics_that_are_left_out_are_added_from_the_coarser_mesh() -> None:
         ).tree
 
     fine, coarse, richest, richer = tree(0.6, 3), tree(0.36, 3), tree(0.6, 5), tree(0.36, 5)
-    share = own_estimate.share_of(1.0 / 0.6, 1.7)
+    share = share_of(1.0 / 0.6, 1.7)
     truth, poorer, added = (
-        own_estimate.extrapolated(*trees)
-        for trees in ((richest, richer, share), (fine, coarse, share), (fine, coarse, share, richer))
+        extrapolated(*trees)
+        for trees in (
+            (richest, Beside(richer), share),
+            (fine, Beside(coarse), share),
+            (fine, Beside(coarse, richer), share),
+        )
     )
     assert truth.without == poorer.without == added.without == {}
     ends = [float(paths_of(each.tree)["slide"]["H"][-1]) for each in (truth, poorer, added)]
@@ -204,10 +209,10 @@ def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
     tree, shorter = found().tree, found().tree.copy(deep=True)
     for name in ("pull", "back"):
         shorter[f"paths/{name}"] = shorter[f"paths/{name}"].to_dataset(inherit=False).isel(step=slice(3))
-    without = own_estimate.extrapolated(tree, shorter, 0.5).not_alike
+    without = extrapolated(tree, Beside(shorter), 0.5).not_alike
     assert "it stopped on the coarser mesh at" in without["pull"] and "load" in without
     del shorter["paths"]["down"]
-    assert "did not start" in own_estimate.extrapolated(tree, shorter, 0.5).not_alike["down"]
+    assert "did not start" in extrapolated(tree, Beside(shorter), 0.5).not_alike["down"]
 
 
 @pytest.mark.parametrize(("sign", "added"), [(1.0, 2.0), (-1.0, 4.0 / 3.0)])
@@ -219,7 +224,7 @@ def test_a_push_is_of_first_and_a_pull_of_second_order_in_the_elements_at_the_ti
     halved = tree.copy(deep=True)
     change = 0.02 * (down["V"] - down["V"][0])
     halved["paths/down"]["V"] = down["V"] + change
-    better = paths_of(own_estimate.extrapolated(tree, tree, 0.5, halved=halved).tree)["down"]["V"]
+    better = paths_of(extrapolated(tree, Beside(tree, halved=halved), 0.5).tree)["down"]["V"]
     np.testing.assert_allclose(better - down["V"], added * change, rtol=1e-6, atol=1e-3)
 
 
@@ -234,7 +239,7 @@ def test_beyond_a_limit_load_the_difference_of_both_meshes_stays() -> None:
     other.attrs["status"] = "limit load"
     ended = tree.copy(deep=True)
     ended["paths/down"] = xr.DataTree(other)
-    better = paths_of(own_estimate.extrapolated(tree, ended, 0.5).tree)["down"]
+    better = paths_of(extrapolated(tree, Beside(ended), 0.5).tree)["down"]
     np.testing.assert_allclose(better["w"], own["w"], rtol=1e-12)
     added = own["V"] - better["V"]
     np.testing.assert_allclose(added[: half + 1], 0.01 * (own["V"] - own["V"][0])[: half + 1], rtol=1e-9, atol=1e-3)
@@ -247,7 +252,7 @@ def test_other_slices_keep_force_and_moment() -> None:
     fine["p_component"] = fine["p_component"] * (1.0 + 0.1 * fine["depth"])
     new = {name: path[name].transpose("depth", "side", ..., "step").values for name in ("p_component", "m", "t")}
     was = sums(new, path)
-    own_estimate._resliced(new, path, fine)
+    extrapolation._resliced(new, path, fine)
     for before, after in zip(was, sums(new, fine), strict=True):
         np.testing.assert_allclose(after, before, rtol=1e-9, atol=1e-9 * np.abs(before).max())
 
@@ -279,7 +284,7 @@ def sliced(edges: list[float], p: list[float]) -> xr.Dataset:
 def test_what_both_meshes_have_stays_where_it_is(edges, p, new, finer, wanted) -> None:
     path = sliced(edges, p)
     found = {name: path[name].values for name in ("p_component", "m")}
-    own_estimate._resliced(found, path, sliced(new, finer))
+    extrapolation._resliced(found, path, sliced(new, finer))
     np.testing.assert_allclose(found["p_component"][:, 0, 0, 0], wanted, rtol=1e-9)
 
 
