@@ -40,7 +40,8 @@ EDGE = "edge of the atlas"
 LEAST = "--D-min"
 _NEAR = 0.02  # of D, and of L/D: a caisson that near is at the edge
 _CLOSE = 1e-3  # of D
-_SIZES, _HALVINGS = 20, 6  # diameters in equal ratios for the range that an atlas covers, halvings towards its ends
+# diameters in equal ratios for the range that an atlas covers, times as many where none is in it, halvings to its ends
+_SIZES, _FINER, _HALVINGS = 20, 5, 6
 
 
 @dataclass(frozen=True)
@@ -130,13 +131,15 @@ class Search:
 
     def covered(self, ratio: float) -> tuple[float, float]:
         """Return the range of diameters [m] of an L/D that the atlas covers at every V; the same twice where none."""
-        sizes = [float(D) for D in np.geomspace(*self.wanted.D, _SIZES)]
-        known = [k for k, D in enumerate(sizes) if not self._beyond(ratio, D)]
-        if not known:
+        for count in (_SIZES, _FINER * _SIZES):  # few diameters may be between two vertical loads
+            sizes = [float(D) for D in np.geomspace(*self.wanted.D, count)]
+            if known := [k for k, D in enumerate(sizes) if not self._beyond(ratio, D)]:
+                break
+        else:
             return (self.wanted.D[0],) * 2
         ends = []
         for k, beyond in ((known[0], known[0] - 1), (known[-1], known[-1] + 1)):
-            inside, outside = sizes[k], sizes[beyond] if 0 <= beyond < _SIZES else sizes[k]
+            inside, outside = sizes[k], sizes[beyond] if 0 <= beyond < len(sizes) else sizes[k]
             for _ in range(_HALVINGS if inside != outside else 0):
                 middle = math.sqrt(inside * outside)
                 inside, outside = (inside, middle) if self._beyond(ratio, middle) else (middle, outside)

@@ -168,6 +168,15 @@ def test_diameters_end_where_the_atlas_covers_a_vertical_load_no_more(loaded):
     assert edge is not None and (edge.D, edge.governs) == (low, EDGE)
 
 
+def test_a_range_of_few_diameters_between_two_vertical_loads_is_found(loaded):
+    """The atlas covers 1.9 MN up to 9.86 m and 8.5 MN from 9.60 m on."""
+    share = loaded.atlas.box[:, 4]
+    apart = replace(loaded.wanted, D=(3.0, 20.0), cases=replace(loaded.wanted.cases, V=np.array([1.9e6, 8.5e6])))
+    low, high = Search(loaded.atlas, apart).covered(0.6)
+    assert low == pytest.approx((8.5e6 / (1e4 * share[1])) ** (1 / 3), rel=1e-3)
+    assert high == pytest.approx((1.9e6 / (1e4 * share[0])) ** (1 / 3), rel=1e-3)
+
+
 def test_a_refusal_names_the_inputs_that_bound_the_diameter(loaded):
     """With E 60 MPa E/(gamma' D) is 640 at D 9.4 m; V of 3 MN asks for D of 7 m."""
     soft = replace(loaded.wanted, tilt=1e-9, cases=replace(loaded.wanted.cases, tilt=np.full(2, 1e-9)))
