@@ -90,12 +90,17 @@ def _loads(run: Run) -> str:
         if best is not None:
             at = int(np.abs(best[1][load].values).argmax())
             u, turn, value = (float(best[1][name][at]) for name in ("u", "rotation", load))
-            least = _ROUNDING * max(abs(u), abs(turn) * length)
-            u, turn = (u if abs(u) > least else 0.0), (turn if abs(turn) * length > least else 0.0)
+            u, turn = _to_rounding(u, turn, length)
             parts.append(
                 f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
             )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
+
+
+def _to_rounding(u: float, turn: float, length: float) -> tuple[float, float]:
+    """Return u [m] and a rotation [rad], 0 where it is none beside the other one, over a length [m]."""
+    least = _ROUNDING * max(abs(u), abs(turn) * length)
+    return (u if abs(u) > least else 0.0), (turn if abs(turn) * length > least else 0.0)
 
 
 def _off_plane(run: Run) -> str:
@@ -220,14 +225,14 @@ def _range(run: Run) -> str:
     calibrated = [each for _, each in _lateral(run) if each.attrs.get("role") == "calibration"]
     if not calibrated:
         return "no lateral path was calibrated"
-    u = 1e3 * max(float(np.abs(each["u"]).max()) for each in calibrated)
-    turn = math.degrees(max(float(np.abs(each["rotation"]).max()) for each in calibrated))
+    u, turn = (max(float(np.abs(each[name]).max()) for each in calibrated) for name in ("u", "rotation"))
+    u, turn = _to_rounding(u, turn, run.scene.caisson.skirt_length)
     fan = _is_fan(run)
     kind = "load heights of its rays" if fan else f"the load height of path {_lateral(run)[0][0]} only"
     loading = "monotonic loading" + ", but for springs with memory" * any(
         path.remembers for path in paths_of(run.result).values()
     )
-    text = f"u up to {u:.3g} mm, rotation up to {turn:.3g} deg, {kind}; {loading}; in proportion"
+    text = f"u up to {1e3 * u:.3g} mm, rotation up to {math.degrees(turn):.3g} deg, {kind}; {loading}; in proportion"
     sets = () if run.springs is None else Springs.of(run.springs).rate_sets
     rates = ", ".join(f"{1e3 * each.rate:.3g}" for each in sets)
     return f"{text}; at {rates} mm/s (of rho)" if rates else text

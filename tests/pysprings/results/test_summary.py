@@ -46,6 +46,16 @@ def test_the_tilt_is_that_of_predict_and_the_tolerance_decides(folder: Path) -> 
     assert f"beyond the tolerated {0.5 * degrees:.3g} deg" in line
 
 
+def test_what_rounding_leaves_of_a_rotation_is_none(folder: Path) -> None:
+    """As on a translation, whose rotation is imposed."""
+    tree, record = read_tree(folder / "full_model.nc"), RunRecord.read(folder)
+    assert record is not None and "rotation up to 0 deg" not in summary(tree, record)["range"]
+    for node in tree["paths/pull"].subtree:
+        if "rotation" in node.data_vars:
+            node.dataset = node.to_dataset(inherit=False).assign(rotation=1e-16 * node["rotation"])
+    assert ", rotation up to 0 deg, " in summary(tree, record)["range"]
+
+
 def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(folder: Path) -> None:
     """Near collapse it is far larger; it stands beside the use of the springs, and does not make them preliminary."""
     record, springs = RunRecord.read(folder), pysprings.open_springs(folder / "springs.nc")
