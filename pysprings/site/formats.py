@@ -126,11 +126,14 @@ def _gef_columns(
     path: Path, head: Sequence[tuple[int, str, list[str]]], faults: Faults
 ) -> dict[str, tuple[int, float]]:
     """Return place and factor to SI of each channel."""
-    infos = {}
+    infos: dict[int, tuple[int, int, str]] = {}
     for line, key, parts in head:
         numbers = [int(each) for each in parts[3:] if each.isdecimal()]  # behind a name that may hold commas
         if key == "COLUMNINFO" and numbers and parts[0].isdecimal():
-            infos[numbers[-1]] = (line, int(parts[0]) - 1, parts[1])
+            quantity, own = numbers[-1], (line, int(parts[0]) - 1, parts[1])
+            if infos.setdefault(quantity, own) is not own and quantity in _GEF.values():
+                text = f"column {infos[quantity][1] + 1} has the quantity {quantity}, too: which of them counts?"
+                faults.add((str(path), line), f"COLUMNINFO {parts[0]}", text)
     columns = {}
     for channel, (line, at, unit) in ((name, infos[number]) for name, number in _GEF.items() if number in infos):
         if at < 0:

@@ -357,6 +357,7 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("a.csv", "depth [m],su [kPa],Vs [m/s]\n1,20,90\n", "a.csv:1: Vs [m/s]: needs the total unit weight beside"),
         ("a.gef", GEF.replace("#EOH", "#MEASUREMENTVAR= 13, 9, m, x\n#EOH"), "below the pre-drilled depth of 9 m"),
         ("a.gef", GEF.replace("INFO= 3,", "INFO= 0,"), "a.gef:7: COLUMNINFO 0: columns count from 1"),
+        ("a.gef", GEF.replace("friction, 3", "cone, 2"), "a.gef:7: COLUMNINFO 3: column 2 has the quantity 2, too"),
         ("a.gef", LEVELS, "a.gef: the corrected depth is -1.7 m where the length of the rods is 0.5 m: elevations of"),
         ("a.gef", GEF.split("0.50;")[0].replace("INFO= 3,", f"INFO= {'9' * 30},"), "a.gef:13: has no rows below #EOH"),
         ("a.ags", AGS + "\n" + AGS[AGS.index('"GROUP","SCPT"') :], "a.ags: holds the group SCPT twice"),
