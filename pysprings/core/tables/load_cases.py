@@ -230,7 +230,8 @@ def _check_row(table: Table, row: dict[str, float], k: int) -> None:
     if clean and not force | moment | given & {"V_N", "Fz_N", "T_Nm"}:
         table.fault(k, None, f"no load: expected {FORMS}")
     if "arm_m" in given and moment:
-        table.fault(k, "arm_m", "give either a moment or the height of H, not both (M = H arm)")
+        table.fault(k, "arm_m", "give either a moment or the height of H, not both (M = H arm): M is about the lid "
+                    "centre; one at a height h becomes M + H h, Mx - Fy h, My + Fx h")  # fmt: skip
     if "arm_m" in given and not force and clean:
         table.fault(k, "arm_m", "a height without H")
     for name in _FACTORS:

@@ -13,7 +13,7 @@ from pysprings.macro.space import SpaceAnswers
 from pysprings.results.exporters.base import Exported, Options, Source, Target
 from pysprings.results.exporters.header import BACKBONE, header, springs_at, torsion_words
 from pysprings.results.exporters.soildyn.library import library_input, library_name, matrix_input, spring_text
-from pysprings.results.exporters.subdyn import FRAME, UNITS, matrix_of, write_subdyn
+from pysprings.results.exporters.subdyn import FRAME, FREE_BASE, UNITS, matrix_of, write_subdyn
 
 _SPRING_FILE = "caisson.txt"
 _NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
@@ -38,7 +38,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     lost += [SpaceAnswers.of(at).errors] if elements.in_space else []
     lost += [*([] if elements.twists else [torsion_words(torsion)]), _READ]
     use = _CYCLES if len(elements.rows) else BACKBONE
-    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use, at, kind), *lost]
+    head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use, at, kind), *lost, FREE_BASE]
     head += [f"fan of {len(at.rays)} rays; displacement 0: at rest under {1e-3 * model.rest_load:.6g} kN"]
     total, stop = options["reaction_at_rest"] == "load", options["beyond"] == "stop"
     text = spring_text(head, model, 0.0 if elements.twists else torsion or 0.0, total, stop)
@@ -60,7 +60,7 @@ def write(source: Source, target: Target, options: Options) -> Exported:
     head = [*header(source, f"OpenFAST foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
     files = [
         *write_subdyn(head, found.stiffness, target),
-        target.write("soildyn.dat", matrix_input(head, found.stiffness, _place(options))),
+        target.write("soildyn.dat", matrix_input([*head, FREE_BASE], found.stiffness, _place(options))),
     ]
     more, remarks = _nonlinear(source, target, options)
-    return Exported([*files, *more], [*found.lines, *remarks])
+    return Exported([*files, *more], [*found.lines, *remarks, FREE_BASE])

@@ -181,6 +181,9 @@ FRAME = (
     "forces on the soil"
 )
 UNITS = "N/m, N/rad = N m/m, N m/rad; kg, kg m, kg m2"
+FREE_BASE = (
+    "in SubDyn all six flags of the base reaction joint are 0 (1 clamps it: SSI file and SoilDyn have no effect then)"
+)
 NO_TORSION = "torsion is not known, no full model has computed it: Ktztz is 0, which SubDyn rejects; put in a value"
 
 
@@ -193,7 +196,7 @@ def labels(letter: str) -> Iterator[tuple[str, int, int]]:
 
 def ssi_text(head: Sequence[str], stiffness: np.ndarray) -> str:
     """Return a SubDyn SSI file: stiffness (6, 6), and no added mass."""
-    lines = commented("!", head)
+    lines = commented("!", [*head, FREE_BASE])
     lines += [f"{stiffness[i, j]:24.15E}  {label}" for label, i, j in labels("K")]
     lines += [f"{0.0:24.15E}  {label}" for label, _, _ in labels("M")]
     return "\n".join(lines) + "\n"
@@ -230,4 +233,4 @@ def write(source: Source, target: Target, options: Options) -> Exported:
     """Write the SSI file and the spring element."""
     found = matrix_of(source, options)
     head = [*header(source, f"SubDyn foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
-    return Exported(write_subdyn(head, found.stiffness, target), found.lines)
+    return Exported(write_subdyn(head, found.stiffness, target), [*found.lines, FREE_BASE])

@@ -217,7 +217,8 @@ def test_every_fault_with_its_place(tmp_path: Path) -> None:
         "f,ULS,1,,,,,,9",
     )
     assert found == [
-        "2: arm [m]: give either a moment or the height of H, not both (M = H arm)",
+        "2: arm [m]: give either a moment or the height of H, not both (M = H arm): M is about the lid centre; "
+        "one at a height h becomes M + H h, Mx - Fy h, My + Fx h",
         f"3: None: no load: expected {FORMS}",
         "3: arm [m]: a height without H",
         '4: H [kN]: "x" is not a number',

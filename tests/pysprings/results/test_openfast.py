@@ -94,6 +94,7 @@ def test_the_header_names_origin_conditions_and_errors(folder: Path) -> None:
             "written by pysprings", str(springs.attrs["scene_sha256"]), "z up", "N m/rad", "drainage: drained",
             "vertical load at rest: 2000 kN", "not cyclic", "lateral paths: |u| to", "largest errors of springs",
             "foundation matrix: stiffness at rest", "error of the linear response in H and M",
+            "all six flags of the base reaction joint are 0",
         ):  # fmt: skip
             assert words in text, (name, words)
 
@@ -176,7 +177,9 @@ def test_command(tmp_path: Path) -> None:
     assert done.code == 0, done.err
     names = ("subdyn_ssi.dat", "subdyn_spring.dat", "soildyn.dat", "caisson.txt", "soildyn_nonlinear.dat")
     assert done.out.split() == [str(tmp_path / "openfast" / name) for name in names]
-    assert "note: linear: " in done.err
+    assert "note: linear: " in done.err and "note: in SubDyn all six flags" in done.err
+    assert "all six flags" in (tmp_path / "openfast" / "soildyn_nonlinear.dat").read_text()
+    assert "all six flags" in command("export", tmp_path, "--to", "subdyn").err
     assert "0 0 -30 " in (tmp_path / "openfast" / "soildyn.dat").read_text()
 
 
