@@ -172,6 +172,10 @@ def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_w
     words = f"loads at equal motion at least {100 * share:.0f} % of those of the springs; bound: u "
     assert words in beyond["marks"] and table["u_bound_m"].notna().tolist() == [False, False, True]
     assert set(table["verdict"]) == {"supported in part"}
+    limited = table.reset_index().assign(tilt_limit_deg=0.1)
+    used = np.degrees(beyond["rotation_bound_rad"]) / 0.1
+    assert f"largest bound of the tilt used {used:.3g} in 'at 8'" in text.closing(limited)
+    assert "of the tilt" not in text.closing(table.reset_index())  # without a tolerance
     governs = f"largest bound of the utilisation {beyond['utilisation_bound']:.3g} in 'at 8'"
     assert governs in text.closing(table.reset_index())
 
