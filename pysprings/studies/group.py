@@ -124,9 +124,8 @@ def answer_group(
     D = float(rest.attrs.get("outer_diameter_m", np.nan))
     if group.spacing <= D:
         raise refused("--group", f"axes {group.spacing:g} m apart: caissons of {D:g} m overlap")
-    given = np.where(np.isnan(cases.V), len(group.name) * float(rest["V"].values[0]), cases.V)
-    cases = replace(cases, V=given)
-    found = [_shared(springs, cases, k, group, extrapolate, choice) for k in range(len(cases))]
+    at_rest = float(rest["V"].values[0])
+    found = [_shared(springs, cases, k, group, at_rest, extrapolate, choice) for k in range(len(cases))]
     failed = np.array([why for *_, why in found])
     rows = np.repeat(np.arange(len(cases)), len(group.name))
     every = _of_buckets(cases, group, [loads for loads, *_ in found])
@@ -139,7 +138,7 @@ def answer_group(
     frame = frame.assign(group_roll_rad=motions[:, 3], group_tilt_deg=np.degrees(turn))
     frame = with_tilt(frame, turn, springs, every, tilt)
     frame["marks"] = _with_mesh_error(
-        frame, cases, lambda larger, k: _shared(springs, larger, k, group, extrapolate, choice)
+        frame, cases, lambda larger, k: _shared(springs, larger, k, group, at_rest, extrapolate, choice)
     )
     kept = ("direction_deg", "tilt_limit_deg")
     frame.loc[lost, [name for name in frame if frame[name].dtype.kind == "f" and name not in kept]] = np.nan
@@ -176,7 +175,7 @@ def _words(group: Group, diameter: float) -> str:
     down, along = (number(100.0 * each, 2) for each in group.interaction(diameter))
     joints = "rigid" if np.isinf(group.joint) else f"of {number(1e-6 * group.joint)} MN m/rad"
     return (
-        f"{len(group.name)} caissons under a rigid frame, joints {joints}; M about the origin of the positions. "
+        f"{len(group.name)} caissons under a rigid frame, joints {joints}; loads act at the origin of the positions. "
         f"Left out are the twist of the frame, bending of caissons across the plane of H, and interaction through the "
         f"soil: in an elastic half-space neighbours add at most {down} % to the settlement and {along} % to u "
         "(Boussinesq, Cerruti)"
@@ -210,9 +209,13 @@ def _of_buckets(cases: LoadCases, group: Group, loads: list[Array]) -> LoadCases
 
 
 def _shared(
-    springs: AnySprings, cases: LoadCases, k: int, group: Group, extrapolate: bool, choice: dict[str, Any]
-) -> tuple[Array, Array, str]:
-    """Return loads (n, 3) = (H, V, M) of the caissons, the motion q (4,) of the frame, and why a case has no answer."""
+    springs: AnySprings, cases: LoadCases, k: int, group: Group, at_rest: float, extrapolate: bool,
+    choice: dict[str, Any],
+) -> tuple[Array, Array, str]:  # fmt: skip
+    """Return loads (n, 3) = (H, V, M) of the caissons, the motion q (4,) of the frame, and why a case has no answer.
+
+    A V that is not given is that of the springs, `at_rest`, at each caisson; a given one acts at the origin.
+    """
     n, why = len(group.name), [""]
 
     def answer(loads: Array) -> tuple[Array, Array] | None:
@@ -228,11 +231,14 @@ def _shared(
         softer[:, 2, 2] += 1.0 / group.joint
         return motions, np.linalg.inv(softer)
 
-    V = np.full(n, cases.V[k] / n)
+    given = bool(np.isfinite(cases.V[k]))
+    V = np.full(n, cases.V[k] / n if given else at_rest)
     c, s = np.cos(cases.direction[k]), np.sin(cases.direction[k])
     frame = _frame(group.at @ np.array([[c, -s], [s, c]]))
-    target = np.array([cases.H[k], V.sum(), cases.M[k], cases.across[k]])
-    loads, q, share = _followed(answer, frame, np.stack([0.0 * V, V, 0.0 * V], axis=1), target)
+    loads = np.stack([0.0 * V, V, 0.0 * V], axis=1)
+    own = np.array([0.0, V.sum(), 0.0, 0.0]) if given else np.einsum("nij,ni->j", frame, loads)
+    target = own + [cases.H[k], 0.0, cases.M[k], cases.across[k]]
+    loads, q, share = _followed(answer, frame, loads, target)
     lost = f"the group is in equilibrium up to {100.0 * share:.0f} % of the case{why[0]}"
     return loads, q, lost if share < 1.0 else ""
 
