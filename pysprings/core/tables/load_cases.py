@@ -325,11 +325,13 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     }
     left["factor_H"] &= force.any(axis=1)
     left["factor_V"] &= np.isfinite(down)
+    idle = np.isfinite(by["V"]) & (by["V"] != 1.0) & np.isnan(down)
     lifted = np.isfinite(values["Fz_N"]) & (np.nan_to_num(values["Fz_N"], nan=np.inf).min(initial=np.inf) > 0.0)
     remarks = []
     for k, each in enumerate(taken):
         words = [f"factor H {values['factor_H'][k]:g} multiplies the moment, too (no factor M)"] if each else []
         words += ["factor M is not used: the moment of H at its height has the factor of H"] if unused[k] else []
+        words += ["factor V is not used: V is blank"] if idle[k] else []
         words += [f"{name.replace('_', ' ')} is blank: 1" for name, blank in left.items() if blank[k]]
         words += ["V is a pull, as in all rows: Fz counts upwards"] if lifted[k] else []
         remarks.append("; ".join(words))

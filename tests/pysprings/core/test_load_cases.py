@@ -205,6 +205,12 @@ def by_name(cases: LoadCases) -> dict[str, tuple[float, ...]]:
     return {name: tuple(float(each[k]) for each in columns) for k, name in enumerate(cases.name)}
 
 
+def test_a_factor_of_a_blank_v_is_not_used_with_a_remark(tmp_path: Path) -> None:
+    cases = table(tmp_path, "name,H [kN],V [kN],factor V", "a,1,,1.1", "b,1,,1", "c,1,2,1.1", "d,1,,")
+    assert cases.remarks == ("factor V is not used: V is blank", "", "", "")
+    assert cases.V.tolist() == pytest.approx([np.nan, np.nan, 2.2e3, np.nan], nan_ok=True)
+
+
 def test_every_fault_with_its_place(tmp_path: Path) -> None:
     found = problems(
         tmp_path,
