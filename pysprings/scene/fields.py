@@ -297,29 +297,38 @@ class QuantityList(Field):
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, list | tuple):
-            hint = f" (or, in a scene file, {quoted(self.word)})" if self.word else ""
-            raise refuse(
-                f"expected a list of quantities such as [{quoted(self._example())}]{hint}, got {quoted(value)}"
-            )
-        quantity = dict(self.quantities).get(info.data.get(self.by_field, ""))  # "" is no value of a field
+            raise refuse(f"expected {self._expected}, got {quoted(value)}")
+        kind = info.data.get(self.by_field, "")  # "" is no value of a field
+        quantity = dict(self.quantities).get(kind)
         if quantity is None:  # the other field is refused already
             return ()
-        numbers, wrong = [], []
+        entries, wrong = [], []
         for index, entry in enumerate(value):
             try:
-                numbers.append(quantity.validate(entry, info))
+                entries.append(self._read(entry, kind, quantity, info))
             except PydanticCustomError as error:
                 wrong.append((index, error.message()))
         if wrong:
             raise refuse("; ".join(message for _, message in wrong), entries=wrong)
-        return tuple(numbers)
+        return tuple(entries)
+
+    @property
+    def _expected(self) -> str:
+        hint = f" (or, in a scene file, {quoted(self.word)})" if self.word else ""
+        return f"a list of quantities such as [{quoted(self._example())}]{hint}"
+
+    def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Any:
+        return quantity.validate(entry, info)
 
     def _example(self) -> str:
         return self.quantities[0][1].example
 
     def entries_in_toml(self, kind: str, values: Sequence[Any]) -> list[str]:
         """Return the entries as TOML would hold them, for the given value of the other field."""
-        return [dict(self.quantities)[kind].in_toml(value) for value in values]
+        return [self._show(kind, value) for value in values]
+
+    def _show(self, kind: str, entry: Any) -> str:
+        return str(dict(self.quantities)[kind].in_toml(entry))
 
     def schema(self) -> dict[str, Any]:
         entry = {"type": "string", "pattern": QUANTITY_PATTERN}

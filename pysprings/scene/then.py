@@ -7,12 +7,10 @@ towards +y. "V 3 MN" is a vertical load: the quantity that the path imposes stay
 """
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from pydantic import ValidationInfo
-from pydantic_core import PydanticCustomError
 
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.units import quoted
@@ -54,25 +52,13 @@ _SECOND = {
 class ThenList(QuantityList):
     """What follows one after the other: "rest 2 hour", "20 mm at 0.5 mm/s", "0 mm in 10 min", "V 3 MN"."""
 
-    def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if not isinstance(value, list | tuple):
-            examples = ", ".join(quoted(text) for text in _EXAMPLES[:2])
-            raise refuse(f"expected a list such as [{examples}], got {quoted(value)}")
-        kind = info.data.get(self.by_field, "")
-        quantity = dict(self.quantities).get(kind)
-        if quantity is None:
-            return ()
-        entries, wrong = [], []
-        for index, entry in enumerate(value):
-            try:
-                entries.append(entry if isinstance(entry, Then) else self._read(entry, kind, quantity, info))
-            except PydanticCustomError as error:
-                wrong.append((index, error.message()))
-        if wrong:
-            raise refuse("; ".join(message for _, message in wrong), entries=wrong)
-        return tuple(entries)
+    @property
+    def _expected(self) -> str:
+        return f"a list such as [{', '.join(quoted(text) for text in _EXAMPLES[:2])}]"
 
     def _read(self, entry: Any, kind: str, quantity: Quantity, info: ValidationInfo) -> Then:
+        if isinstance(entry, Then):
+            return entry
         if isinstance(entry, list | tuple) and 3 <= len(entry) <= 6:  # a scene of Python, dumped and validated again
             return Then(*entry)
         if not isinstance(entry, str):
@@ -132,9 +118,6 @@ class ThenList(QuantityList):
         if kind not in _SECOND:
             raise refuse(f'a path of kind "{kind}" goes on with one value, such as {quoted(quantity.example)}')
         return quantity.validate(first, info), _SECOND[kind].validate(rest, info)
-
-    def entries_in_toml(self, kind: str, values: Sequence[Any]) -> list[str]:
-        return [self._show(kind, value) for value in values]
 
     def _show(self, kind: str, then: Then) -> str:
         if then.load is not None:
