@@ -138,7 +138,8 @@ class Workers:
                 while (waiting and not asked) or self._busy:
                     if asked and deadline == float("inf"):
                         deadline = time.monotonic() + _PATIENCE
-                        self._stop()
+                        for worker in self._busy:
+                            worker.process.terminate()
                     if time.monotonic() > deadline or len(asked) > 1:
                         break
                     if not asked:
@@ -196,10 +197,6 @@ class Workers:
         worker.task = None
         if kind != _STOPPED:
             done(task, content)
-
-    def _stop(self) -> None:
-        for worker in self._busy:
-            worker.process.terminate()
 
     def _remove(self, worker: _Worker) -> str:
         """Remove a worker, dead or not; return how it ended."""

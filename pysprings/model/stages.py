@@ -318,15 +318,11 @@ def imposed_motion(path: Path, radius: float = 0.0) -> tuple[float, float]:
     if kind.force:
         return 0.0, 0.0
     first = abs(getattr(path, kind.imposed) or 0.0)
-    largest = max([first, *(abs(value) for value in _ends(path))])
+    largest = max([first, *(abs(then.value) for then in path.then if then.value is not None)])
     if kind.drives == "rotation":
         return 0.0, largest
     turn = max([abs(path.rotation or 0.0), *(abs(then.second) for then in path.then if then.second is not None)])
     return largest, turn * (largest / first if kind.straight and first else 1.0)
-
-
-def _ends(path: Path) -> Iterator[float]:
-    return (then.value for then in path.then if then.value is not None)
 
 
 # --- paths that leave the plane of one load, in the order of `path_kinds.MOTIONS`: w down, rotations right-handed ---

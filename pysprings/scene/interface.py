@@ -69,16 +69,11 @@ def _adhesion(scene: SceneSections, ground: Ground, beside: list[Stratum]) -> It
     key, tip = ("interface", "adhesion_factor"), np.array(scene.caisson.skirt_length)
     given = [of_surface(scene.interface.adhesion_factor, each) for each in SURFACES]
     clay = any(each.total_stress for each in beside)
-    if not clay and (API in given or not any(_cohesive(each) for each in beside)):
+    if not clay and (API in given or not any(each.values.get("cohesion", 0.0) != 0.0 for each in beside)):
         yield Clash((key,), "refers to undrained_shear_strength or cohesion: the soil beside the caisson has neither")
     elif API in given and float(ground.vertical_stress(tip)) == 0.0:
         keys = key, ("soil", "effective_unit_weight"), ("soil", "surcharge")
         yield Clash(keys, '"api" needs a vertical effective stress: give effective_unit_weight or surcharge')
-
-
-def _cohesive(stratum: Stratum) -> bool:
-    cohesion = stratum.values.get("cohesion", 0.0)
-    return cohesion != 0.0
 
 
 def drainage_clashes(scene: SceneSections) -> Iterator[Clash]:

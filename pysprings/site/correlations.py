@@ -156,15 +156,12 @@ def _density_in(rows: Rows) -> Marks:
     return (rows.density >= 0.1) & (rows.density < 1.0)
 
 
-def _young(rows: Rows) -> Marks:
-    return (rows.index >= 1.0) & (rows.index <= 4.0)
-
-
 _CHAMBER = "s'_v0 50 to 400 kPa, I_c to 2.60, D_r to 1"
 _DENSE = "D_r 0.1 to 1"
 _ROBERTSON = Correlation(
-    "shear_modulus", "Robertson and Cabal 2015", "I_c 1 to 4, uncemented, Holocene to Pleistocene", _robertson, _young
-)
+    "shear_modulus", "Robertson and Cabal 2015", "I_c 1 to 4, uncemented, Holocene to Pleistocene", _robertson,
+    lambda rows: (rows.index >= 1.0) & (rows.index <= 4.0),
+)  # fmt: skip
 _WEIGHTS = (
     Correlation("effective_unit_weight", "Robertson and Cabal 2010", "grains of 2.65; 11 to 23 kN/m3",
                 lambda r: unit_weight(r.cone, r.sleeve) - WATER, lambda r: (r.weight > 11e3) & (r.weight < 23e3)),

@@ -25,7 +25,8 @@ def profile(proposal: Proposal, title: str) -> Figure:
     figure = new_figure(2.1 * (len(keys) + 2 * test) + 0.9, 7.2)
     panels = list(np.atleast_1d(figure.subplots(1, len(keys) + 2 * test, sharey=True)))
     if test:
-        _cone(panels[0], proposal)
+        panels[0].plot(proposal.rows.cone * 1e-6, proposal.depth, color=INK, linewidth=0.8)
+        panels[0].set_xlabel("q_t [MPa]")
         _index(panels[1], proposal)
     for axes, key in zip(panels[2 * test :], keys, strict=True):
         _value(axes, proposal, key)
@@ -42,11 +43,6 @@ def profile(proposal: Proposal, title: str) -> Figure:
     handles = {label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, fontsize=8.5)
     return figure
-
-
-def _cone(axes: Axes, proposal: Proposal) -> None:
-    axes.plot(proposal.rows.cone * 1e-6, proposal.depth, color=INK, linewidth=0.8)
-    axes.set_xlabel("q_t [MPa]")
 
 
 def _index(axes: Axes, proposal: Proposal) -> None:

@@ -189,7 +189,8 @@ def at_load(
     They are those of the set at that load (None), between the two sets around it, or those of the nearest set (None).
     Only sets count that have the directions of the main one.
     """
-    alike = [each for each in sets if each is main or _alike(paths, main, each)]
+    enough = min(FEWEST_PAIRS, len(main.paths))
+    alike = [each for each in sets if each is main or len(_pairs(paths, main, each)) >= enough]
     near = nearest(alike, V)
     if same_load(near.V, V) or not alike[0].V < V < alike[-1].V:
         return {name: paths[name] for name in near.paths}, None
@@ -197,10 +198,6 @@ def at_load(
     light, heavy = alike[above - 1], alike[above]
     share = (V - light.V) / (heavy.V - light.V)
     return {a.name: blend(a, b, share) for a, b in _pairs(paths, light, heavy)}, Between(light.V, heavy.V, share)
-
-
-def _alike(paths: Paths, main: LoadSet, other: LoadSet) -> bool:
-    return len(_pairs(paths, main, other)) >= min(FEWEST_PAIRS, len(main.paths))
 
 
 def _pairs(paths: Paths, first: LoadSet, second: LoadSet) -> list[tuple[SpringPath, SpringPath]]:

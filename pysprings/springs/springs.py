@@ -339,7 +339,8 @@ class Springs:
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
-        parts = () if mix is None else self._parts_at(mix)
+        shares = () if mix is None else ((mix.first, 1.0 - mix.share), (mix.second, mix.share))
+        parts = tuple((self.at_rate(each), share) for each, share in shares)
         return replace(springs, every_rate=self.every_rate or self, parts=parts)
 
     def _made_at_load(self, V: float) -> Springs:
@@ -350,10 +351,6 @@ class Springs:
         attrs = {} if mix is None else {"blended_loads_N": [mix.first, mix.second], "vertical_load_N": V}
         parts = tuple((each.at_load(V), share) for each, share in self.parts)
         return replace(self.with_paths(paths, **attrs), whole=self, every_rate=self.every_rate, parts=parts)
-
-    def _parts_at(self, mix: path_sets.Between) -> tuple[tuple[Springs, float], ...]:
-        """Return the springs at two rates, each with its share."""
-        return (self.at_rate(mix.first), 1.0 - mix.share), (self.at_rate(mix.second), mix.share)
 
     def _cached(self, key: Hashable, make: Callable[[], Springs]) -> Springs:
         """Return derived springs, made at the first call; the last `KEPT` ones are kept."""

@@ -124,16 +124,12 @@ def _steel(scene: Scene) -> list[Omission]:
     return [Omission(what, why, now.saves(scene, elastic))]
 
 
-def _plane(scene: Scene) -> str:
-    """Return why half of the domain is enough."""
-    beyond = any(path.in_space for path in scene.all_paths)
-    return f"symmetry about the loading plane{'; paths that leave it have the whole' if beyond else ''}"
-
-
 def _half(scene: Scene) -> Omission:
     now = _load(scene)
     whole = _Load(size_of(scene, whole=True).unknowns, now.water, now.symmetric)
-    return Omission("half of the domain", _plane(scene), now.saves(scene, whole))
+    beyond = any(path.in_space for path in scene.all_paths)
+    why = f"symmetry about the loading plane{'; paths that leave it have the whole' if beyond else ''}"
+    return Omission("half of the domain", why, now.saves(scene, whole))
 
 
 _PORE_KEYS = (

@@ -42,30 +42,24 @@ def equilibrium_table(tree: xr.DataTree) -> Table:
 
 def water_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """Return the table of the balance of the water at the end of each path; None for a drained run."""
-    paths = {name: path.water for name, path in figures.items() if path.water}
-    if not paths:
-        return None
-    rows = [{"path": name, **water} for name, water in paths.items()]
+    rows = [{"path": name, **path.water} for name, path in figures.items() if path.water]
     note = (
         "Since the initial state, whole caisson: expelled = compressed + in gaps + outflow. Expelled is the pore "
         "volume that the soil has lost, from the displacements of its boundary; the outflow is Darcy flow over the "
         "drained boundary. The largest imbalance of all steps is shown. Pressure: the range of the excess on the path."
     )
-    return Table.of(_WATER, rows, "Balance of the water", note, wide=True)
+    return Table.of(_WATER, rows, "Balance of the water", note, wide=True) if rows else None
 
 
 def energy_table(figures: Mapping[str, PathFigures]) -> Table | None:
     """Return the table of the balance of energy at the end of each path; None where it was not computed."""
-    paths = {name: path.energy for name, path in figures.items() if path.energy}
-    if not paths:
-        return None
-    rows = [{"path": name, **energy} for name, energy in paths.items()]
+    rows = [{"path": name, **path.energy} for name, path in figures.items() if path.energy]
     note = (
         "Since the initial state, whole caisson: work + initial = elastic + plastic + penalty + friction + water. "
         "Initial is the work of weight, surcharge and initial contact pressure, penalty what contact springs store, "
         "water what is done against pore pressures. The imbalance is the residual of Newton, over the largest term."
     )
-    return Table.of(_ENERGY, rows, "Balance of energy", note, wide=True)
+    return Table.of(_ENERGY, rows, "Balance of energy", note, wide=True) if rows else None
 
 
 _PATH = Column("path", "path", words=True)
@@ -121,12 +115,9 @@ def phase_table(run: RunRecord) -> Table:
 
 def validity(result: xr.DataTree) -> list[str]:
     """Return sentences on the range of the numbers: calibrated paths, displacements, effects that are not included."""
-    sentences = []
     behaviour = result.attrs.get("caisson_behaviour", "rigid")
-    for path in paths_of(result).values():
-        sentences.append(_range_sentence(path) + _end_sentence(path.name, path.known))
     return [
-        *sentences,
+        *(_range_sentence(path) + _end_sentence(path.name, path.known) for path in paths_of(result).values()),
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
         "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
         "Monotonic loading, but for springs with memory; small displacements; the caisson is "
@@ -377,9 +368,6 @@ def opening_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
         good = np.flatnonzero(path["converged"].values.astype(bool))
         if "gap" in path and good.size:
             widest = max(openings(path, int(good[-1])), key=lambda each: each.width)
-            rows.append((name, widest.surface, _opening(widest)) if widest.width > 0 else (name, "-", "closed"))
+            gap = f"{widest.width * 1e3:.3g} mm at {widest.place}"
+            rows.append((name, widest.surface, gap) if widest.width > 0 else (name, "-", "closed"))
     return Table("Widest gap at the last converged step", ("path", "surface", "gap"), rows) if rows else None
-
-
-def _opening(opening: Any) -> str:
-    return f"{opening.width * 1e3:.3g} mm at {opening.place}"
