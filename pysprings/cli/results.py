@@ -53,7 +53,8 @@ def print_results(folder: Path, verbose: bool = False) -> None:
     record = read_record(folder)
     print(f"results in {folder} ({STATUS_WORDS.get(record.status, record.status)})")
     rows = [(str(folder / name), text) for name, text in run_files().items() if (folder / name).exists()]
-    rows += _pictures(folder) if verbose else _number_of_pictures(folder)
+    pictures = _pictures(folder)
+    rows += pictures if verbose or not pictures else [(str(folder / FIGURES), f"pictures: {len(pictures)}")]
     width = max((len(name) for name, _ in rows), default=0)
     for name, text in rows:
         print(f"  {name.ljust(width)}  {text}")
@@ -109,12 +110,6 @@ def _pictures(folder: Path) -> list[tuple[str, str]]:
     for path in listed_pictures(folder):
         by_stem.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
     return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in by_stem.items()]
-
-
-def _number_of_pictures(folder: Path) -> list[tuple[str, str]]:
-    """Return one line for all pictures of a folder; none without pictures."""
-    pictures = _pictures(folder)
-    return [(str(folder / FIGURES), f"pictures: {len(pictures)}")] if pictures else []
 
 
 MOST_LINES = 12  # attempts that were given up

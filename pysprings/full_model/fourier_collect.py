@@ -57,14 +57,13 @@ class FourierCollector(Collector):
         opening = np.where(np.isfinite(tension), opening - tension / self.system.stations.penalties[:, 0], -1.0)
         least, gaps = -np.array([tension[ring].max() for ring in self.rings.values()])[:, None, None], opening > 0.0
         lateral = -np.sin(self.azimuth)[:, None]
-        fields = {
+        return {
             "normal_effective_stress": np.maximum(self._on_walls(even, -state.traction[:, 0], gaps), least),
             "shear_lateral": lateral * self._on_walls(odd, around_ring, gaps),
             "shear_vertical": self._on_walls(even, -traction[:, 2], gaps),
             "pore_pressure": self._on_walls(even, water),
             "gap": self._on_walls(even, opening, ~gaps).clip(min=0.0),
         }
-        return fields
 
     def _on_walls(self, operator: np.ndarray, values: np.ndarray, level: np.ndarray | None = None) -> np.ndarray:
         """Return the means of the slices (side, azimuth, depth) of values (ns,) at the stations.

@@ -229,7 +229,8 @@ def build_vertical(springs: Springs) -> VerticalTable | None:
     stiffness = springs.stiffness
     known = None if stiffness is None else float(stiffness[1, 1])
     longest: dict[float, SpringPath] = {}
-    for path in sorted((path for path in paths if same_load(path.load, first.load)), key=_reach):
+    alike = [path for path in paths if same_load(path.load, first.load)]
+    for path in sorted(alike, key=lambda path: abs(_travel(path)[-1])):
         longest[float(np.sign(_travel(path)[-1]))] = path
     branches = [_branch(longest[sign], sign, known) for sign in (1.0, -1.0) if sign in longest]
     depth, dz = first.depth, first.heights
@@ -249,10 +250,6 @@ def _travel(path: SpringPath) -> Array:
     grows = np.diff(np.abs(w)) > 0.0
     n = w.size if grows.all() else int(np.argmin(grows)) + 1
     return w[:n]
-
-
-def _reach(path: SpringPath) -> float:
-    return float(np.abs(_travel(path)[-1]))
 
 
 def _branch(path: SpringPath, sign: float, stiffness: float | None) -> Branch:

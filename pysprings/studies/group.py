@@ -144,7 +144,8 @@ def answer_group(
     frame.loc[lost, [name for name in frame if frame[name].dtype.kind == "f" and name not in kept]] = np.nan
     frame.loc[lost, ["answered", "capacity_kind"]] = 0, ""
     frame.loc[lost, "marks"] = failed[rows][lost]
-    frame["remarks"] = [_without_opposed(text) for text in frame["remarks"]]
+    remarks = (text.split("; ") for text in frame["remarks"])  # a caisson under a frame has an M against H as a rule
+    frame["remarks"] = ["; ".join(text for text in own if not text.startswith(OPPOSED)) for own in remarks]
     frame = frame.assign(verdict=verdicts(frame))
     frame.attrs["group"] = _words(group, D)
     return frame
@@ -163,11 +164,6 @@ def _with_mesh_error(frame: pd.DataFrame, cases: LoadCases, shared: Any) -> list
             texts = [lost] if lost else [not_tolerated(turn)] * (turn > limit)
         marks += [with_larger(own, error, texts) for own in rows["marks"]]
     return marks
-
-
-def _without_opposed(remarks: str) -> str:
-    """Return remarks without that on an M against H, which a caisson under a frame has as a rule."""
-    return "; ".join(text for text in remarks.split("; ") if not text.startswith(OPPOSED))
 
 
 def _words(group: Group, diameter: float) -> str:

@@ -161,7 +161,8 @@ class Search:
             found = self.just_met(float(ratio))
             if found is not None and found.use <= 1.0:
                 met[float(ratio)] = found
-            return found.mass if found is not None else mass_of(self.atlas, *self._largest(ratio)) * 2.0
+            largest = self.wanted.D[1]
+            return found.mass if found is not None else mass_of(self.atlas, largest, ratio * largest) * 2.0
 
         minimize_scalar(steel, bounds=self.wanted.ratio, method="bounded", options={"xatol": 0.02, "maxiter": 10})
         for end in self.wanted.ratio:
@@ -188,9 +189,6 @@ class Search:
         ratio, (low, _) = found.L / found.D, self.covered(found.L / found.D)
         ends = [end for end in self.atlas.box[:, 0] if abs(ratio - float(end)) <= _NEAR]
         return bool(ends) or (low > self.wanted.D[0] and found.D / low <= 1.0 + _NEAR)
-
-    def _largest(self, ratio: float) -> tuple[float, float]:
-        return self.wanted.D[1], ratio * self.wanted.D[1]
 
 
 def answered(atlas: Atlas, wanted: Wanted, D: float, L: float) -> pd.DataFrame:

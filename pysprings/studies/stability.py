@@ -107,9 +107,10 @@ def catalogue(table: pd.DataFrame) -> Figure:
     _cut_backs(right, table, row)
     left.set_yticks(row, [f"{case}" for case in table["case"]], fontsize=8)
     left.set_ylim(len(table) - 0.5, -0.5)
+    group = table["group"].to_numpy()
     for axes in (left, right):
-        for start in _group_starts(table):
-            axes.axhline(start - 0.5, color=GREY, lw=0.6)
+        for last in np.flatnonzero(group[1:] != group[:-1]):  # row of each group
+            axes.axhline(last + 0.5, color=GREY, lw=0.6)
     used = [outcome for outcome in COLOURS if (table["outcome"] == outcome).any()]
     handles = [Line2D([], [], color=COLOURS[o], marker=MARKERS[o], ls="", label=o) for o in used]
     figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
@@ -136,12 +137,6 @@ def _cut_backs(axes: Axes, table: pd.DataFrame, row: np.ndarray) -> None:
             axes.text(min(share.iloc[y], 100.0) + 1.0, y, f"{cuts} of {increments}", va="center", fontsize=7)
     axes.set_xlim(0.0, 118.0)
     axes.set_xlabel("steps cut, % of the increments")
-
-
-def _group_starts(table: pd.DataFrame) -> list[int]:
-    """Return the rows where another group of cases begins."""
-    group = table["group"].to_numpy()
-    return [int(k) + 1 for k in np.flatnonzero(group[1:] != group[:-1])]
 
 
 CONVERGED, WARNED, STOPPED, REFUSED, UNEXPLAINED = "converged", "warned", "stopped", "refused", "unexplained"

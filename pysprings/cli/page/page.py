@@ -136,7 +136,8 @@ class Page:
                 "sliders": [no_update if each.name == name else values[each.name] or 0.0 for each in self.sliders],
                 "end": [no_update] * 2 if key == drawn else _end(answer, values[H.name]),
                 "texts": [
-                    _numbers(answer, source, values), _remarks(answer),
+                    _numbers(answer, source, values),
+                    [html.P(text, className=kind) for kind, text in answers.remarks(answer)],
                     no_update if key == drawn else _facts(source, values), answers.command_of(values, source),
                     _table(answer, source, table[0]),
                 ],
@@ -184,10 +185,6 @@ def _numbers(answer: answers.Answer, source: Source, values: Values) -> Any:
         html.Div([html.Span(name), html.Strong(text, id=f"number-{name.replace(' ', '-')}")])
         for name, text in answers.numbers(answer, source, values)
     ]
-
-
-def _remarks(answer: answers.Answer) -> Any:
-    return [html.P(text, className=kind) for kind, text in answers.remarks(answer)]
 
 
 def _facts(source: Source, values: Values) -> Any:

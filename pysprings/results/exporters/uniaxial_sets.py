@@ -206,10 +206,9 @@ def _represent(rows: SpringTable, path: SpringPath) -> tuple[SpringTable, list[s
 
 def _part(rows: SpringTable, j: int) -> Row:
     n = int(rows.count[j])
-    a, b = (float(x) for x in rows.a[j]), (float(x) for x in rows.b[j])
-    pair_a, pair_b = tuple(a), tuple(b)
+    (a0, a1), (b0, b1) = rows.a[j].tolist(), rows.b[j].tolist()
     return Row(
-        rows.name[j], float(rows.depth[j]), rows.carrier[j], (pair_a[0], pair_a[1]), (pair_b[0], pair_b[1]),
+        rows.name[j], float(rows.depth[j]), rows.carrier[j], (a0, a1), (b0, b1),
         rows.q[j, :n], rows.r[j, :n], bool(rows.natural[j]), bool(rows.cut[j]),
     )  # fmt: skip
 

@@ -274,14 +274,11 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
 
     firsts = {each.group.name: each for each in reversed(runs)}  # one of each group shows whether its load is carried
     for batch in (list(firsts.values()), [each for each in runs if each is not firsts[each.group.name]]):
-        carried = [each for each in batch if not _overloaded(each.group, ended.values())]
+        overloaded = {each.planned.group.name for each in ended.values() if each.overloaded}
+        carried = [each for each in batch if each.group.name not in overloaded]
         tasks = [_task(each, out, weights[each.name], whole) for each in carried]
         run_tasks(tasks, jobs_for(runs[0].scene, jobs, [task.cost for task in tasks]), done)
     return [ended[each.name] for each in runs if each.name in ended]
-
-
-def _overloaded(group: Group, ended: Iterable[Ended]) -> bool:
-    return any(each.overloaded for each in ended if each.planned.group.name == group.name)
 
 
 def _task(planned: Planned, out: Path, cost: float, whole: Whole) -> Task:

@@ -38,7 +38,7 @@ from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import LIMIT_LOAD, MESH_ERROR
 from pysprings.springs.springs import Springs
-from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, split
+from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, split
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -355,13 +355,10 @@ def write_study(study: Study) -> Path | None:
     return target
 
 
-def _usable(study: Study) -> Iterable[Case]:
-    return (case for case in study.plan.cases if study.states[case.number].status in (DONE, SHORT))
-
-
 def _path_names(study: Study) -> tuple[str, ...]:
     """Return the names of the paths of all cases that have springs."""
-    scenes = (study.plan.scene_of(case) for case in _usable(study))
+    usable = (case for case in study.plan.cases if study.states[case.number].status in (DONE, SHORT))
+    scenes = (study.plan.scene_of(case) for case in usable)
     return tuple(dict.fromkeys(path.name for scene in scenes for path in scene.load_paths))
 
 
