@@ -214,15 +214,10 @@ def contact_alternation(path: xr.Dataset) -> dict[str, Any] | None:
       narrower than the spacing of the stations, counts as one. A ring of bricks on a boundary of layers has two slices,
       and counts in each.
 
-    Parameters
-    ----------
     path : normal_effective_stress (step, side, azimuth, depth) Pa, compression positive; azimuth from 0 to pi.
 
-    Returns
-    -------
-    ``second_difference`` and ``alternation`` (dimensionless, largest over all steps and rings) with the places
-    ``second_difference_at`` and ``alternation_at``; ``isolated_open`` (largest number at one step, both sides)
-    with ``isolated_open_at_step``; ``stations``, the number of stations evaluated in each step.
+    The first two are dimensionless, the largest over all steps and rings, with their places (``..._at``); the third is
+    the largest number at one step, both sides, with ``isolated_open_at_step``. ``stations``: evaluated in each step.
     """
     if "normal_effective_stress" not in path or path.sizes["azimuth"] < 3:
         return None

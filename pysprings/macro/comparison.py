@@ -7,9 +7,8 @@ rotation for the first, H and M for the second. With the sets "py" and "full" a 
 own springs, a held-back path by the springs of the first calibration path. The set "fan" is made from all rays
 among the calibration paths and answers every path; "pisa" takes its lateral families from the pure translation among
 them and its moments from the pure rotation. Where calibration paths have several rates, every path is answered at its
-own, and so it is with several vertical loads (`pysprings.springs.path_sets`, `pysprings.springs.path_sets`). A path of
-kind "vertical" is answered by the vertical springs (set "vertical"): V at equal w, its errors relative to the change of
-V from rest.
+own, and so it is with several vertical loads (`pysprings.springs.path_sets`). A path of kind "vertical" is answered by
+the vertical springs (set "vertical"): V at equal w, its errors relative to the change of V from rest.
 
 A held-back path with a `vertical_load` of its own is answered under that load. Where the vertical load changes on the
 way, w follows, and the lateral springs stay those under the first one. `off_load_states` counts the states

@@ -92,15 +92,10 @@ class SpringTable:
 
 
 def build_table(path: SpringPath, companions: bool) -> SpringTable:
-    """Return the table of one path's springs.
+    """Return the table of one path's springs from its converged steps, up to where it turns back.
 
-    Parameters
-    ----------
-    path : The path; its converged steps are used, up to where it turns back.
-    companions : With them p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
+    With `companions` p(y), m(rotation), tip and lid terms (the set "full"); without, net p(y) alone ("py").
 
-    Notes
-    -----
     A spring must be a function of its displacement, and must resist it. On a pull with free head, y near the
     tip may stay small, turn back or change sign, and the soil there, moved by its neighbours, may push along
     with y. A negative spring gives the macro-model a second equilibrium beside the right one (seen for load

@@ -16,6 +16,12 @@ from pysprings.scene.ground import in_layers
 from pysprings.scene.model import Scene
 
 _TOLERANCE = 0.01  # share by which a value that scales may differ
+FREE = {
+    "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
+    "drainage": (
+        "porosity", "water_bulk_modulus", "water_unit_weight", "water_viscosity", "water_depth", "stabilisation",
+    ),
+}  # fmt: skip  # keys by section that may differ in every family
 
 
 @dataclass(frozen=True)

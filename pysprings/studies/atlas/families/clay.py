@@ -21,7 +21,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem
 from pysprings.scene.by_depth import ByDepth
 from pysprings.scene.model import Scene
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
+from pysprings.studies.atlas.families.base import FREE, Family, Scaled, Sizes, diameter, first_layer
 
 
 def strength(scene: Scene) -> tuple[float, float]:
@@ -90,14 +90,11 @@ FAMILY = Family(
     even=even,
     sizes=_sizes,
     free={
-        "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
+        **FREE,
         "interface": ("adhesion_factor", "friction_coefficient"),
         "soil.layer": (
             "undrained_shear_strength", "rigidity_ratio", "effective_unit_weight", "name", "drainage",
             "hydraulic_conductivity",
-        ),
-        "drainage": (
-            "porosity", "water_bulk_modulus", "water_unit_weight", "water_viscosity", "water_depth", "stabilisation",
         ),
     },
     scaled=(Scaled("caisson", "skirt_thickness", ("m", 1.0), "D", diameter),),

@@ -14,7 +14,7 @@ import numpy as np
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem
 from pysprings.scene.model import Scene
-from pysprings.studies.atlas.families.base import Family, Scaled, Sizes, diameter, first_layer
+from pysprings.studies.atlas.families.base import FREE, Family, Scaled, Sizes, diameter, first_layer
 
 STRETCH = 1000.0  # X over rho/D
 
@@ -62,12 +62,9 @@ FAMILY = Family(
     even=_even,
     sizes=_sizes,
     free={
-        "caisson": ("outer_diameter", "skirt_length", "lid_thickness", "vertical_load"),
+        **FREE,
         "interface": ("friction_coefficient",),
         "soil.layer": (*_CONSTANT, "hydraulic_conductivity", "name", "drainage"),
-        "drainage": (
-            "porosity", "water_bulk_modulus", "water_unit_weight", "water_viscosity", "water_depth", "stabilisation",
-        ),
     },
     scaled=(
         Scaled("caisson", "skirt_thickness", ("m", 1.0), "D", diameter),
