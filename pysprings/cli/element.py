@@ -94,14 +94,8 @@ def element(
     outcome = run(Request(stratum, test, at, drainage == "undrained", asked, strain, tests, keys))
     files = write(outcome, folder, formats)
     if as_json:
-        print_json(
-            {
-                "depth_m": at,
-                "tests": outcome.rows,
-                "fit": _fit_json(outcome.fit),
-                "files": [str(file) for file in files],
-            }
-        )
+        document = {"depth_m": at, "tests": outcome.rows, "fit": _fit_json(outcome.fit)}
+        print_json(document | {"files": [str(file) for file in files]})
     else:
         _print(outcome)
         for file in files:

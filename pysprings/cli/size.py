@@ -70,16 +70,9 @@ def size(
     best, checked = least_confirmed(search) if confirm else (search.least(), None)
     files = _files(search, best, out, formats_of(figures, no_figures, figure_format)) if out else []
     if as_json:
-        full = [] if checked is None else checked.to_dict("records")
-        about = {"remarks": remarks_on(search, best, confirm), "correction": search.correction}
-        print_json(
-            {
-                "best": table_of([best]).to_dict("records")[0],
-                "candidates": len(search.tried),
-                **about,
-                "full_model": full,
-            }
-        )
+        document = {"best": table_of([best]).to_dict("records")[0], "candidates": len(search.tried)}
+        document |= {"remarks": remarks_on(search, best, confirm), "correction": search.correction}
+        print_json(document | {"full_model": [] if checked is None else checked.to_dict("records")})
         return
     _print(search, best, checked)
     for file in files:

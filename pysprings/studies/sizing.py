@@ -101,9 +101,7 @@ class Search:
         tilt = np.where(np.isnan(wanted.cases.tilt), wanted.tilt, wanted.cases.tilt)
         turned = np.abs(answers["rotation"]) + BAND * answers["rotation_deviation"]
         with np.errstate(invalid="ignore"):
-            by_tilt = np.minimum(
-                self.correction * turned / tilt, UNKNOWN
-            )  # infinite where the atlas bounds no rotation
+            by_tilt = np.minimum(self.correction * turned / tilt, UNKNOWN)  # infinite: the atlas bounds no rotation
             by_load = self.correction * answers["utilisation"] / wanted.utilisation
         ok = (answers["answered"] == 1).to_numpy()
         by_tilt = np.where(ok, by_tilt, UNKNOWN * np.fmax(answers["utilisation"], 1.0))
