@@ -111,16 +111,9 @@ _LEAST = (
 )  # fmt: skip
 _CONFIRMED = (
     Column("name", "name", words=True),
-    *(
-        Column(name, name, ".3g")
-        for name in (
-            "tilt_used",
-            "u_error_pct",
-            "u_deviation_pct",
-            "rotation_error_pct",
-            "rotation_deviation_pct",
-            "rotation_mesh_error_pct",
-        )
-    ),
+    *(Column(name, name, ".3g") for name in (
+        "tilt_used", "u_error_pct", "u_deviation_pct", "rotation_error_pct", "rotation_deviation_pct",
+        "rotation_mesh_error_pct",
+    )),
     Column("inside", "inside"),
-)
+)  # fmt: skip

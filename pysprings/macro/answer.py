@@ -22,17 +22,9 @@ from pysprings.springs.path import off_rate
 from pysprings.springs.path_ends import MESH_ERROR
 
 _KEPT = (
-    "Conventions",
-    "title",
-    "source",
-    "pysprings_version",
-    "scene_sha256",
-    "drainage",
-    "outer_diameter_m",
-    "skirt_length_m",
-    "atlas_outside",
-    "atlas_mesh",
-)
+    "Conventions", "title", "source", "pysprings_version", "scene_sha256", "drainage", "outer_diameter_m",
+    "skirt_length_m", "atlas_outside", "atlas_mesh",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,16 +40,8 @@ ASPECTS = (0.1, 0.3)  # of a gauge across its direction: there an element yields
 SMALLEST, LARGEST, SIZES = 1 / 5000, 1 / 2, 8  # motion at first yield
 # gain a, and length h over which half of it is reached; gain 0: perfectly plastic
 LAWS = (
-    (0.0, 1.0),
-    (2.0, 0.02),
-    (2.0, 0.2),
-    (2.0, 2.0),
-    (10.0, 0.02),
-    (10.0, 0.2),
-    (10.0, 2.0),
-    (50.0, 0.2),
-    (50.0, 2.0),
-)
+    (0.0, 1.0), (2.0, 0.02), (2.0, 0.2), (2.0, 2.0), (10.0, 0.02), (10.0, 0.2), (10.0, 2.0), (50.0, 0.2), (50.0, 2.0),
+)  # fmt: skip
 MOST_GROWN = 1.0  # of d a: an element of a larger one would never come near its last size
 FORCES = 9  # directions of the force of an element, over 180 degrees
 GAP_DIRECTIONS, GAP_SIZES = 18, 8

@@ -74,18 +74,9 @@ def convergence_data(tree: xr.DataTree, name: str) -> xr.Dataset | None:
 
 ROUNDING = 1e-6  # share of the larger one of |H| arm and |M| below which the other one is zero
 SETTINGS = (
-    "drainage",
-    "outer_diameter_m",
-    "skirt_length_m",
-    "skirt_thickness_m",
-    "lid_thickness_m",
-    "caisson_behaviour",
-    "status",
-    "mesh_preset",
-    "n_nodes",
-    "n_elements",
-    "n_unknowns",
-)
+    "drainage", "outer_diameter_m", "skirt_length_m", "skirt_thickness_m", "lid_thickness_m", "caisson_behaviour",
+    "status", "mesh_preset", "n_nodes", "n_elements", "n_unknowns",
+)  # fmt: skip
 
 
 def settings(tree: xr.DataTree) -> dict[str, Any]:

@@ -44,12 +44,8 @@ from pysprings.site.sounding import (
     zone_name,
 )
 
-LINEAR = (
-    "undrained_shear_strength",
-    "shear_modulus",
-    "young_modulus",
-    "cohesion",
-)  # by depth; the others are means of a layer
+# by depth; the others are means of a layer
+LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion")
 WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades

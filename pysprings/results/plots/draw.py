@@ -27,28 +27,11 @@ from pysprings.springs.springs import Springs
 PICTURES: Registry[Picture] = Registry(
     "picture",
     (
-        ground.CAISSON,
-        section.MESH,
-        ground.PICTURE,
-        overview.PICTURE,
-        overview.TILT,
-        overview.SECANT,
-        load.PICTURE,
-        comparison.PICTURE,
-        comparison.LOOPS,
-        profiles.PY,
-        profiles.PICTURE,
-        load.VERTICAL,
-        rose.OUTSIDE,
-        rose.INSIDE,
-        gap.PICTURE,
-        gap.OVALISATION,
-        section.DISPLACEMENT,
-        rose.PORE_PRESSURE,
-        section.PRESSURE,
-        load.NEWTON,
+        ground.CAISSON, section.MESH, ground.PICTURE, overview.PICTURE, overview.TILT, overview.SECANT, load.PICTURE,
+        comparison.PICTURE, comparison.LOOPS, profiles.PY, profiles.PICTURE, load.VERTICAL, rose.OUTSIDE, rose.INSIDE,
+        gap.PICTURE, gap.OVALISATION, section.DISPLACEMENT, rose.PORE_PRESSURE, section.PRESSURE, load.NEWTON,
     ),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

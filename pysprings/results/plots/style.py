@@ -22,21 +22,8 @@ from pysprings.results.look import BLUE, GREEN, GREY, INK, KN, KPA, MM, MN, MRAD
 
 # the palette and units of pictures, for those that draw with this module
 __all__ = [
-    "BLUE",
-    "GREEN",
-    "GREY",
-    "INK",
-    "KN",
-    "KPA",
-    "MM",
-    "MN",
-    "MRAD",
-    "ORANGE",
-    "PALE",
-    "PURPLE",
-    "SKY",
-    "VERMILLION",
-]
+    "BLUE", "GREEN", "GREY", "INK", "KN", "KPA", "MM", "MN", "MRAD", "ORANGE", "PALE", "PURPLE", "SKY", "VERMILLION",
+]  # fmt: skip
 
 NOTEBOOK_DPI = 80
 DEG = 180 / np.pi
