@@ -65,9 +65,7 @@ def _refuse_contents(out: Path, resume: bool) -> None:
         refuse("--out", "holds an interrupted run; --resume goes on with it, --force begins anew", out)
     if results and not resume:
         refuse(
-            "--out",
-            f"holds results already ({', '.join(results)}); choose another folder, or --force to replace",
-            out,
+            "--out", f"holds results already ({', '.join(results)}); choose another folder, or --force to replace", out
         )
 
 

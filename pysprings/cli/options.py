@@ -106,7 +106,6 @@ SpringSet = Annotated[
     ),
 ]
 Rate = Annotated[
-    float | None,
-    quantity("--rate", "m/s", "0.1 mm/s", "of rho = |(u, rotation*L)|, for springs from several rates"),
+    float | None, quantity("--rate", "m/s", "0.1 mm/s", "of rho = |(u, rotation*L)|, for springs from several rates")
 ]
 OneSpringSet = Annotated[str | None, named("--springs", SPRING_SETS, "only these springs \\[default: all]", _SETS)]

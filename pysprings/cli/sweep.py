@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -79,7 +79,8 @@ def sweep(
             raise
     written = _outputs(ended, table or [], picture or [], over, figure_format)
     if as_json:
-        print_json(_summary(ended, folder))
+        counts = Counter(state.status for state in ended.states.values())
+        print_json({"folder": str(folder), "cases": len(ended.plan.cases), "ran": ended.ran, "status": dict(counts)})
     elif not quiet:
         _print(ended, folder, written)
     _end(ended, plan_only)
@@ -110,11 +111,6 @@ def _outputs(
             figure = dataset.draw(data, name, _axes(over))
             written |= dict.fromkeys(save(figure, stem, figure_format.split(",")), name)
     return written
-
-
-def _summary(study: Study, folder: Path) -> dict[str, Any]:
-    counts = Counter(state.status for state in study.states.values())
-    return {"folder": str(folder), "cases": len(study.plan.cases), "ran": study.ran, "status": dict(counts)}
 
 
 def _print(study: Study, folder: Path, written: dict[Path, str]) -> None:

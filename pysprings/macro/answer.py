@@ -186,7 +186,9 @@ def _attributes(
     outside = [_beyond(model, way.states, support.used, limit)] if beyond.size else []
     carried = f"; {limit}" if limit else ""
     return (
-        _provenance(model)
+        origin_of(model.attrs)
+        | {"springs": model.spring_set, "curves": model.response.curves}
+        | model.response.provenance()
         | {"control": way.control}
         | ({} if way.arm is None else {"arm_m": way.arm})
         | (limit.attributes() if limit else {})
@@ -221,11 +223,6 @@ def _beyond(model: MacroModel, states: Array, used: Array, limit: Limit | None) 
 def origin_of(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     """Return those attributes of springs that each of their answers has: scene, program, caisson."""
     return {name: attrs[name] for name in _KEPT if name in attrs}
-
-
-def _provenance(model: MacroModel) -> dict[str, Any]:
-    attrs = origin_of(model.attrs) | {"springs": model.spring_set}
-    return attrs | {"curves": model.response.curves} | model.response.provenance()
 
 
 ASK = "--extrapolate (extrapolate=True) answers beyond it, marked"

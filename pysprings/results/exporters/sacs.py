@@ -20,13 +20,7 @@ from pysprings.macro.solver import row_values
 from pysprings.results.exporters.base import ZONE, Exported, Options, Source, Target
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
-from pysprings.results.exporters.uniaxial_sets import (
-    Uniaxial,
-    change_by_tables,
-    errors_by_role,
-    uniaxial,
-    with_tables,
-)
+from pysprings.results.exporters.uniaxial_sets import Uniaxial, change_by_tables, errors_by_role, uniaxial, with_tables
 from pysprings.springs.springs import Springs
 
 WIDTH = 6  # characters of a number

@@ -115,11 +115,7 @@ class Picture:
 
 
 def of_state(
-    name: str,
-    caption: str,
-    function: Callable[..., Figure],
-    needs: Sequence[str],
-    section: Part = "",
+    name: str, caption: str, function: Callable[..., Figure], needs: Sequence[str], section: Part = ""
 ) -> Picture:
     """Return a picture of one state of a path that holds the variables `needs`."""
 
