@@ -197,7 +197,7 @@ def closing(table: pd.DataFrame) -> str:
     parts = [f"{n:,} {verdict}" for verdict, n in counts.items()]
     what = "row" if "group_u_m" in table else "case"
     text = f"{len(table):,} {what}{'' if len(table) == 1 else 's'}: {', '.join(parts)}"
-    if "rotation_bound_rad" in table and what == "case":  # the tilt of a group is that of its frame
+    if what == "case" and {"rotation_bound_rad", "tilt_limit_deg"} <= set(table):  # a group tilts as its frame
         table = table.assign(tilt_bound=np.degrees(table["rotation_bound_rad"]) / table["tilt_limit_deg"])
     for column, words in _GOVERN.items():
         if column not in table:
