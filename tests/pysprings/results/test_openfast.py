@@ -117,6 +117,7 @@ def test_range_and_errors_are_those_of_the_springs_in_the_file(
     assert any("no path is held back at V = 4000 kN" in line for line in lines) == (at == loaded.HEAVY)
     (errors,) = (line for line in lines if f"largest errors of springs {kind}" in line)
     assert ("1 held-back paths" in errors) == (at == loaded.REST)
+    assert ("displacement at equal load" in errors) == ("that up to half of the largest load" in errors)
     assert any(f"fan of {len(own)} rays" in line for line in lines)
 
 

@@ -179,6 +179,7 @@ def test_errors_are_those_on_paths_at_the_vertical_load_of_the_springs(tmp_path:
     lines = export(Source(tree), program, tmp_path, springs="pisa", V=6e6).remarks
     (errors,) = (line for line in lines if "calibration paths, largest" in line)
     assert "slide_6" in errors or "turn_6" in errors
+    assert "% (slide_6), u up to half of the largest load" in errors
     assert not any(f"({name})" in line for line in lines for name in ("slide", "turn"))
 
 
