@@ -14,7 +14,7 @@ import xarray as xr
 from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, percent
-from pysprings.core.words import sudden
+from pysprings.core.words import SOLVED, sudden
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
@@ -26,7 +26,8 @@ from pysprings.springs.path_ends import STOPPED, before_cavitation, end_of, step
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
-_U, _HALF = "u", "u, half"  # at equal load; the second up to half of the largest load
+_U, _HALF = "u", "u, half"
+_AT_LOAD = {_U: "u_error_max_pct", _HALF: "u_error_half_pct"}  # at equal load; the second up to half of the largest one
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ def _loads(run: Run) -> str:
 
 def _to_rounding(u: float, turn: float, length: float) -> tuple[float, float]:
     """Return u [m] and a rotation [rad], 0 where it is none beside the other one, over a length [m]."""
-    least = _ROUNDING * max(abs(u), abs(turn) * length)
+    least = SOLVED * max(abs(u), abs(turn) * length)
     return (u if abs(u) > least else 0.0), (turn if abs(turn) * length > least else 0.0)
 
 
@@ -117,7 +118,7 @@ def _off_plane(run: Run) -> str:
             where = " before cavitation"
         for first, second, scale in _SIX if "u_x" in end else ():
             sizes = [abs(end[each]) for each in first[0]], [abs(end[each]) for each in second[0]]
-            least = _ROUNDING * max(*sizes[0], *(each * length**scale for each in sizes[1]))
+            least = SOLVED * max(*sizes[0], *(each * length**scale for each in sizes[1]))
             for (names, unit, factor), small in ((first, least), (second, least / length**scale)):
                 shown = [f"{each} {factor * end[each]:.3g}" for each in names if abs(end[each]) > small]
                 parts += [f"{', '.join(shown)} {unit}"] if shown else []
@@ -130,7 +131,6 @@ _SIX = (
     ((("H_x", "H_y", "V"), "MN", 1e-6), (("M_x", "M_y", "T"), "MN m", 1e-6), -1),
     ((("u_x", "u_y", "w"), "mm", 1e3), (("rot_x", "rot_y", "rot_z"), "mrad", 1e3), 1),
 )
-_ROUNDING = 1e-6
 
 
 def _vertical(run: Run) -> str:
@@ -255,18 +255,16 @@ def _springs(run: Run) -> str:
         if run.comparison is not None:
             return "not checked: no path in one plane with a free head is held back"
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
-    errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items() if name not in (_U, _HALF))
+    errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items() if name not in _AT_LOAD)
     moved = f"; of u at equal load: {_of_u(worst)}" if _U in worst else ""
     return f"against the full model on the paths held back, largest error at equal displacement: {errors}{moved}"
 
 
 def _of_u(worst: Mapping[str, float]) -> str:
     size, half = (number(worst.get(key, math.nan), 2) for key in (_U, _HALF))
-    return (
-        f"{size} %"
-        if half in (size, number(math.nan, 2))
-        else f"{half} % up to half of the largest load, {size} % beyond"
-    )
+    if _HALF not in worst or half == size:
+        return f"{size} %"
+    return f"{half} % up to half of the largest load, {size} % beyond"
 
 
 def _warnings(run: Run) -> str:
@@ -285,7 +283,7 @@ def _use(run: Run) -> str:
     worst, limits = _held_back(run) or {}, []
     if not worst:
         limits.append("they were not checked on a path of their own")
-    elif max(value for name, value in worst.items() if name not in (_U, _HALF)) > _GOOD:
+    elif max(value for name, value in worst.items() if name not in _AT_LOAD) > _GOOD:
         limits.append(f"their error is above {_GOOD:g} % on a path held back")
     limits += _mesh_limits(run.record.error_estimate or {})
     moved = f", u under a load off by {_of_u(worst)}" if worst.get(_U, 0.0) > _GOOD else ""
@@ -330,11 +328,6 @@ def _held_back(run: Run) -> dict[str, float] | None:
     own = own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]
     if own.empty:
         return None
-    columns = {
-        "H": "H_error_max_pct",
-        "rotation": "rotation_error_max_pct",
-        _U: "u_error_max_pct",
-        _HALF: "u_error_half_pct",
-    }
+    columns = {"H": "H_error_max_pct", "rotation": "rotation_error_max_pct"} | _AT_LOAD
     worst = {name: float(own[column].abs().max()) for name, column in columns.items()}
     return {name: value for name, value in worst.items() if math.isfinite(value)}
