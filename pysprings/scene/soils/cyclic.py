@@ -107,11 +107,15 @@ class Cyclic:
         return number, left
 
     def _strain(self, number: float, stress: float) -> float:
-        """Return the strain of a stress after a number of cycles; 0 below the first contour, inf beyond the last."""
-        strain, tau = self._at(max(number, min(row[0] for row in self.contours)))
+        """Return the strain of a stress after a number of cycles; 0 below the first contour, inf beyond the last.
+
+        Before the first N it grows in proportion.
+        """
+        first = min(row[0] for row in self.contours)
+        strain, tau = self._at(max(number, first))
         if not tau[0] <= stress <= tau[-1]:
             return 0.0 if stress < tau[0] else math.inf
-        return float(np.exp(np.interp(stress, tau, np.log(strain))))
+        return float(np.exp(np.interp(stress, tau, np.log(strain)))) * min(number / first, 1.0)
 
     def _begins(self, strain: float, stress: float) -> float:
         """Return the number of cycles of a stress that has a strain; before the first N in proportion."""
