@@ -92,7 +92,10 @@ class Cyclic:
         if self.utilisation <= self.average or max(share for _, share in self.parcels) != 1.0:
             raise ValueError("parcels: utilisation must be above average, and the largest load/largest 1")
         strain, number, left, most = 0.0, 0.0, 0.0, max(row[0] for row in self.contours)
-        for cycles, share in sorted(self.parcels, key=lambda parcel: parcel[1]):
+        sums = dict.fromkeys(sorted(share for _, share in self.parcels), 0.0)
+        for cycles, share in self.parcels:
+            sums[share] += cycles
+        for share, cycles in sums.items():
             stress = self.average + share * (self.utilisation - self.average)
             if self._strain(most, stress) == 0.0:
                 left += cycles

@@ -174,10 +174,11 @@ def test_cycles_that_do_not_count_are_stated_and_what_is_no_storm_is_refused(tmp
             scene(tmp_path, ("cycles = 10", other), MINER, SCENE.replace("600", "900"))
 
 
-@pytest.mark.parametrize("parts", [1, 12])
-def test_a_storm_from_contours_that_begin_late_is_that_from_all(tmp_path, parts) -> None:
+@pytest.mark.parametrize(
+    "parcels", ["80,0.857142857\n12,1", "\n".join(["8,0.857142857\n1.2,1"] * 10), "4,0.999999999\n16,1"]
+)
+def test_a_storm_from_contours_that_begin_late_is_that_from_all(tmp_path, parcels) -> None:
     """Strain grows in proportion to N here: contours from N = 10 give what those from N = 1 do, in parts, too."""
-    parcels = "\n".join([f"{80 / parts},0.857142857\n{12 / parts},1"] * parts)
     (tmp_path / "storm.csv").write_text(f"N,load/largest\n{parcels}\n")
     rows = [line for line in MINER.splitlines() if not line.startswith("1,")]
     rows += [f"10,{0.7 + 0.1 * np.log10(g)},{g}" for g in (0.1, 1.0, 10.0)]
