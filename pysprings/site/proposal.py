@@ -141,9 +141,9 @@ def propose(site: Site, options: Options) -> Proposal:
     """
     chosen, site = _chosen(site.soundings, options), site.down_to(options.depth)
     if chosen is not None:
-        rows, depth = _rows(chosen, site.beds), chosen.depth
+        (rows, odd), depth = _rows(chosen, site.beds), chosen.depth
         units = _units(chosen, rows, site.beds, options.most)
-        notes = [*chosen.notes, "stresses count from mudline down, with water above it"]
+        notes = [*chosen.notes, *odd, "stresses count from mudline down, with water above it"]
     else:
         units, notes = _units_of_tables(site), []
         depth, rows = _ends_as_rows(units, site)
@@ -186,22 +186,28 @@ def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
     return replace(chosen, area_ratio=options.area_ratio, notes=notes)
 
 
-def _rows(test: Sounding, beds: Sequence[Bed]) -> Rows:
-    """Return what correlations read; unit weights are those of layers, or of Robertson and Cabal (2010)."""
+def _rows(test: Sounding, beds: Sequence[Bed]) -> tuple[Rows, list[str]]:
+    """Return what correlations read, and a note where it has a unit weight of other depths.
+
+    Unit weights are those of the layers that give one, elsewhere of Robertson and Cabal (2010).
+    """
     depth, sleeve = test.depth, test.sleeve
-    weighed = [bed for bed in beds if "effective_unit_weight" in bed.values]
-    if weighed:
-        at = [z for bed in weighed for z in (bed.top, bed.bottom)]
-        weight = np.interp(depth, at, [v + WATER for bed in weighed for v in bed.values["effective_unit_weight"]])
-    elif np.isfinite(sleeve).any():
-        good = np.isfinite(sleeve)
-        weight = unit_weight(test.total_cone, np.interp(depth, depth[good], sleeve[good]))
-    else:
+    weight = np.full(depth.shape, np.nan)
+    for bed in (bed for bed in beds if "effective_unit_weight" in bed.values):
+        own = _inside(bed, depth)
+        ends = [value + WATER for value in bed.values["effective_unit_weight"]]
+        weight[own] = np.interp(depth[own], [bed.top, bed.bottom], ends)
+    if (good := np.isfinite(sleeve)).any():
+        whole = unit_weight(test.total_cone, np.interp(depth, depth[good], sleeve[good]))
+        weight = np.where(np.isfinite(weight), weight, whole)
+    if not (known := np.isfinite(weight)).any():
         raise _no_sleeve(test, "Total unit weight [kN/m3] and Soil type")
-    total, effective = stresses(depth, weight)
+    count = int((~known & (depth <= max((bed.bottom for bed in beds), default=0.0))).sum())
+    text = f"{count} rows without sleeve friction in layers without unit weight: stresses with that of their neighbours"
+    total, effective = stresses(depth, np.interp(depth, depth[known], weight[known]))
     cone = test.total_cone
     index = behaviour_index(cone - total, sleeve, effective)
-    return Rows(cone, sleeve, total, effective, weight, index, np.full(depth.shape, np.nan))
+    return Rows(cone, sleeve, total, effective, weight, index, np.full(depth.shape, np.nan)), [text] * (count > 0)
 
 
 def _no_sleeve(test: Sounding, what: str) -> Exception:

@@ -19,6 +19,7 @@ from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.files import read_site
 from pysprings.site.picture import profile
 from pysprings.site.proposal import Options, propose
+from pysprings.site.sounding import unit_weight
 from tests.support.commands import command
 
 GAMMA = 9.81e3
@@ -239,6 +240,21 @@ def test_a_test_without_sleeve_friction_needs_the_layers_of_a_borehole(tmp_path)
     (tmp_path / "b.csv").write_text("Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3]\n0,4,SAND,19.5\n")
     (layer,) = proposal(tmp_path / "a.csv", tmp_path / "b.csv")["layers"]
     assert {"relative_density", "friction_angle_final", "shear_modulus"} <= set(layer["values"])
+
+
+def test_a_layer_without_unit_weight_has_not_that_of_its_neighbours(cpt, tmp_path) -> None:
+    """It is that of Robertson and Cabal (2010); without sleeve friction the stresses are marked."""
+    log = tmp_path / "log.csv"
+    log.write_text("Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3]\n0,5,SAND,22\n5,20,CLAY,\n")
+    found = propose(read_site([cpt, log]), Options())
+    depth, whole = found.depth, unit_weight(found.rows.cone, found.rows.sleeve)
+    assert found.rows.effective[depth <= 5.0] == pytest.approx(depth[depth <= 5.0] * (22e3 - GAMMA))
+    below, step = np.flatnonzero(depth > 5.1), depth[1] - depth[0]
+    grown = np.diff(found.rows.effective)[below - 1] / step
+    assert grown == pytest.approx(0.5 * (whole[below] + whole[below - 1]) - GAMMA, rel=1e-2)
+    cpt.write_text("\n".join(line.rsplit(",", 1)[0] for line in sand_over_clay().splitlines()))
+    text = "750 rows without sleeve friction in layers without unit weight: stresses with that of their neighbours"
+    assert text in propose(read_site([cpt, log]), Options()).notes
 
 
 def test_one_of_several_tests_is_chosen_by_name(tmp_path) -> None:
