@@ -129,7 +129,8 @@ def companions_of(
                 _choose(scene, coarse, companions, run, chosen)
                 if paths := vertical_paths(scene):
                     mesh = {"harmonics": 1, "halvings": scene.mesh.halvings + 1}
-                    run(scene.replace(paths=paths, mesh=mesh, output=two_mesh.NO_OUTPUT), 1, companions.halved)
+                    beside = two_mesh.with_paths(scene, paths, mesh=mesh, output=two_mesh.NO_OUTPUT)
+                    run(beside, 1, companions.halved)
             else:
                 _run(companions, compute, progress, coarse, None, companions.trees)
         except (Exception, KeyboardInterrupt) as error:
@@ -154,7 +155,7 @@ def _choose(
         enough = max(_changes(companions, n), default=0.0) <= two_mesh.LEFT * most
         known = _names(companions.richer[n + 2]) | {path.name for path in vertical_paths(scene)}
         rest = tuple(path for path in coarse.all_paths if path.name not in known and not enough)
-        if rest and not run(coarse.replace(paths=rest, **richer), n + 2, companions.richer):
+        if rest and not run(two_mesh.with_paths(coarse, rest, **richer), n + 2, companions.richer):
             return
         enough = enough or max(_changes(companions, n, two_mesh.LEFT), default=0.0) <= most
         if enough or chosen or scene.mesh.harmonics is not None or n + 2 > MOST:

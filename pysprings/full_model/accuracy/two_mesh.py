@@ -15,13 +15,14 @@ it in their reactions (`own_estimate`), LEFT of it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
+from pysprings.core.path_kinds import HELD_BACK, MEMORY
 from pysprings.core.text import percent
 from pysprings.full_model.accuracy import measures
 from pysprings.full_model.accuracy.measures import (
@@ -39,6 +40,7 @@ from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURI
 from pysprings.springs.path import paths_of, space_paths_of
 
 if TYPE_CHECKING:
+    from pysprings.scene.sections import Path
     from pysprings.scene.model import Scene
 
 NO_OUTPUT = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
@@ -109,7 +111,16 @@ def few(scene: Scene) -> Scene:
     from pysprings.scene.fan import few_paths
 
     paths = few_paths(scene.springs, scene.caisson)
-    return scene.replace(paths=(*scene.paths, *paths)) if paths else scene
+    return with_paths(scene, (*scene.paths, *paths)) if paths else scene
+
+
+def with_paths(scene: Scene, paths: Iterable[Path], **changed: Any) -> Scene:
+    """Return a scene with paths in place of its own and its fan, and other sections changed.
+
+    No springs are made of it: paths of the memory, which would need the others, are held back.
+    """
+    held = (path.model_copy(update={"role": HELD_BACK}) if path.role == MEMORY else path for path in paths)
+    return scene.replace(paths=tuple(held), **changed)
 
 
 def cell_ratio(scene: Scene, coarse: Scene) -> float | None:

@@ -278,6 +278,25 @@ def test_harmonics_grow_until_two_more_change_little(
     assert estimates_by_default(scene) and not estimates_by_default(tiny.paper())
 
 
+def test_rays_of_the_memory_on_which_V_changes_run_with_more_harmonics() -> None:
+    """The scene with some of its paths alone has no further vertical loads beside them."""
+    ran: list[str] = []
+
+    def compute(scene: Scene, **_: Any) -> Computed:
+        n = scene.mesh.harmonics
+        assert n is not None
+        names = [path.name for path in scene.all_paths]
+        ran.extend(names if n == 5 else ())
+        tree = with_error(300 * (n + 1), harmonics=n, beside=0.015 if n == 3 else 0.0)
+        tree["paths"] = xr.DataTree(children={name: tree["paths/pull"].copy() for name in names})
+        return Computed(tree, RunRecord(Status.COMPLETE))
+
+    springs = {"reach": 8e-3, "memory": True, "vertical_loads": [3e6]}
+    scene = tiny.sand(mesh={"discretisation": "fourier"}, paths=(), springs=springs)
+    assert companions_of(scene, compute).why_not == ""
+    assert {path.name for path in scene.all_paths} == {*ran} | {"down", "up"} and "ray_0_loads" in ran
+
+
 def test_a_path_that_a_load_drives_is_not_helped_by_what_harmonics_change() -> None:
     """3 and 5 differ by 3 % on a path of kind load: N grows, since no difference can be added at equal motion."""
 
