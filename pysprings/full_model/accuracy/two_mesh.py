@@ -40,8 +40,8 @@ from pysprings.full_model.accuracy.presets import BRICKS, COARSEST_FACTOR, FOURI
 from pysprings.springs.path import paths_of, space_paths_of
 
 if TYPE_CHECKING:
-    from pysprings.scene.sections import Path
     from pysprings.scene.model import Scene
+    from pysprings.scene.sections import Path
 
 NO_OUTPUT = {"interface_fields": False, "section": False, "figures": False, "paraview": False}
 FACTOR = {BRICKS: 0.7, FOURIER: 0.6}
