@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from pysprings.results.plots.style import BLUE, GREEN, GREY, INK, ORANGE, PALE, SKY, new_figure, plain, styled
 from pysprings.site.correlations import SAND, clay
 from pysprings.site.output import VALUES
-from pysprings.site.proposal import LINEAR, Proposal, Unit, Value
+from pysprings.site.proposal import LINEAR, Proposal, Value, layers_of
 from pysprings.site.sounding import SAND_TO, ZONES
 
 PANELS = ("effective_unit_weight", "relative_density", "friction_angle_final", "undrained_shear_strength",
@@ -61,10 +61,10 @@ def _value(axes: Axes, proposal: Proposal, key: str) -> None:
     Lines are thin where the law of the layer does not use the value.
     """
     shown = VALUES[key]
-    for unit in proposal.units:
+    for k, unit in enumerate(proposal.units):
         if (value := unit.values.get(key)) is None:
             continue
-        _dots(axes, proposal, unit, key, value)
+        _dots(axes, proposal, k, key, value)
         wide = 1.8 if key in unit.written else 0.6
         for (label, colour, style), line in zip(_LINES, value.lines, strict=True):
             own = label if key in unit.written else "thin: not used by the law" if label == "best" else None
@@ -81,8 +81,8 @@ def _value(axes: Axes, proposal: Proposal, key: str) -> None:
     axes.set_xlabel(f"{shown.symbol} [{shown.unit}]")
 
 
-def _dots(axes: Axes, proposal: Proposal, unit: Unit, key: str, value: Value) -> None:
-    own = (proposal.depth >= unit.top) & (proposal.depth <= unit.bottom)
+def _dots(axes: Axes, proposal: Proposal, k: int, key: str, value: Value) -> None:
+    unit, own = proposal.units[k], layers_of(proposal.units, proposal.depth) == k
     if proposal.sounding is None or not own.any():
         return
     rows = proposal.rows.part(own)

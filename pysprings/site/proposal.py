@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pysprings.core.arrays import Array, Marks
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.text import suggestion
 from pysprings.scene.by_depth import WEAKER
@@ -147,8 +147,10 @@ def propose(site: Site, options: Options) -> Proposal:
     else:
         units, notes = _units_of_tables(site), []
         depth, rows = _ends_as_rows(units, site)
-    for unit in units:
-        _fill(unit, rows, depth, site, options)
+    of = np.repeat(np.arange(len(units)), 2) if chosen is None else layers_of(units, depth)
+    of_points = layers_of(units, site.points.depth if site.points else np.empty(0))
+    for k, unit in enumerate(units):
+        _fill(unit, rows, depth, of == k, site, of_points == k, options)
     notes += [*site.notes, *_below(depth if chosen else np.empty(0), "rows of the test", units)]
     notes += _below(site.points.depth if site.points else np.empty(0), "points", units)
     if not any(set(unit.values) & {"friction_angle_final", "undrained_shear_strength", *STIFFNESSES} for unit in units):
@@ -193,8 +195,11 @@ def _rows(test: Sounding, beds: Sequence[Bed]) -> tuple[Rows, list[str]]:
     """
     depth, sleeve = test.depth, test.sleeve
     weight = np.full(depth.shape, np.nan)
-    for bed in (bed for bed in beds if "effective_unit_weight" in bed.values):
-        own = _inside(bed, depth)
+    of = layers_of(beds, depth)
+    for k, bed in enumerate(beds):
+        if "effective_unit_weight" not in bed.values:
+            continue
+        own = of == k
         ends = [value + WATER for value in bed.values["effective_unit_weight"]]
         weight[own] = np.interp(depth[own], [bed.top, bed.bottom], ends)
     if (good := np.isfinite(sleeve)).any():
@@ -218,14 +223,15 @@ def _no_sleeve(test: Sounding, what: str) -> Exception:
 def _units(test: Sounding, rows: Rows, beds: Sequence[Bed], most: int) -> list[Unit]:
     """Return the layers of a test: those of a table, or proposed ones, without values."""
     if beds:
-        return [_unit(bed, rows.index[_inside(bed, test.depth)]) for bed in beds]
+        own = layers_of(beds, test.depth)
+        return [_unit(bed, rows.index[own == k]) for k, bed in enumerate(beds)]
     if np.isfinite(rows.index).mean() < 0.3:
         raise _no_sleeve(test, "Soil type")
     cuts = boundaries(test.depth, rows.index, rows.net, rows.effective, most)
     ends = [0.0, *(round(each, 1) for each in cuts), round(float(test.depth[-1]), 2)]
-    units = []
-    for top, bottom in itertools.pairwise(ends):
-        own = rows.index[(test.depth >= top) & (test.depth <= bottom)]
+    units, of = [], np.digitize(test.depth, ends[1:-1])
+    for k, (top, bottom) in enumerate(itertools.pairwise(ends)):
+        own = rows.index[of == k]
         index = float(np.nanmedian(own)) if np.isfinite(own).any() else SAND_TO
         units.append(Unit(top, bottom, zone_name(index), "sand" if index <= SAND_TO else "clay"))
     return units
@@ -247,8 +253,11 @@ def _unit(bed: Bed, index: Array) -> Unit:
     return Unit(bed.top, bed.bottom, short, kind, remarks=[remark] if remark else [])
 
 
-def _inside(unit: Unit | Bed, depth: Array) -> Marks:
-    return (depth >= unit.top) & (depth <= unit.bottom)
+def layers_of(layers: Sequence[Unit] | Sequence[Bed], depth: Array) -> Integers:
+    """Return the number of the layer of each depth (n,) in m, that below at a boundary; -1 where there is none."""
+    tops, bottoms = (np.array([getattr(each, name) for each in layers]) for name in ("top", "bottom"))
+    numbers = np.searchsorted(tops, depth, side="right") - 1
+    return np.where(depth <= np.append(bottoms, -np.inf)[numbers], numbers, -1)  # that of -1 is the last, -inf
 
 
 def _kind(bed: Bed, index: Array) -> tuple[str, str]:
@@ -300,9 +309,10 @@ def _ends_as_rows(units: Sequence[Unit], site: Site) -> tuple[Array, Rows]:
     return depth, Rows(nothing, nothing, total, effective, weight, nothing, nothing)
 
 
-def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) -> None:
-    """Put values into a layer: given ones, measured ones, those of correlations; choose its law."""
-    own = _inside(unit, depth)
+def _fill(
+    unit: Unit, rows: Rows, depth: Array, own: Marks, site: Site, own_points: Marks, options: Options
+) -> None:  # fmt: skip
+    """Put values into a layer, of its own rows and points: given, measured and correlated ones; choose its law."""
     part = rows.part(own)
     unit.rows = int(np.isfinite(part.cone).sum())
     unit.index = float(np.nanmedian(part.index)) if np.isfinite(part.index).any() else np.nan
@@ -312,7 +322,7 @@ def _fill(unit: Unit, rows: Rows, depth: Array, site: Site, options: Options) ->
     ends, correlations = np.array([unit.top, unit.bottom]), SAND if unit.kind == "sand" else clay(options.cone_factors)
     _given(unit, site.beds)
     if site.points is not None:
-        _measured(unit, site.points, ends, {each.gives for each in correlations} if unit.rows else set())
+        _measured(unit, site.points, own_points, ends, {each.gives for each in correlations} if unit.rows else set())
     if own.any():
         _correlated(unit, part, depth[own], ends, correlations)
     phi = unit.values.get("friction_angle_final")
@@ -347,13 +357,15 @@ def _given(unit: Unit, beds: Sequence[Bed]) -> None:
                 unit.values[key] = Value(np.tile(line, (3, 1)), ("given, without a range",), measured=True)
 
 
-def _measured(unit: Unit, points: Points, ends: Array, correlated: set[str]) -> None:
-    """Put the line through points into a layer, low and high at the tenth and ninetieth per cent of their ratios to it.
+def _measured(unit: Unit, points: Points, inside: Marks, ends: Array, correlated: set[str]) -> None:
+    """Put the line through the points inside into a layer, low and high at the tenth and ninetieth per cent of ratios.
+
+    Ratios are those of the values to the line.
 
     Fewer points than `FEWEST_POINTS` count only for keys that are not ``correlated`` with a test beside them.
     """
     for key, values in points.values.items():
-        own = _inside(unit, points.depth) & np.isfinite(values)
+        own = inside & np.isfinite(values)
         count = int(own.sum())
         if not count:
             continue
@@ -463,9 +475,8 @@ def _cone_factor(rows: Rows, depth: Array, units: Sequence[Unit], site: Site) ->
         return []
     factors = [
         float(np.interp(z, depth, rows.net) / each)
-        for z, each in zip(site.points.depth, su, strict=True)
-        if np.isfinite(each) and depth[0] <= z <= depth[-1]
-        and any(unit.kind == "clay" and unit.top <= z <= unit.bottom for unit in units)
+        for z, each, k in zip(site.points.depth, su, layers_of(units, site.points.depth), strict=True)
+        if np.isfinite(each) and depth[0] <= z <= depth[-1] and k >= 0 and units[k].kind == "clay"
     ]  # fmt: skip
     if not factors:
         return []

@@ -18,19 +18,19 @@ from pysprings.scene.profile_table import read_layers
 from pysprings.scene.soils import SOIL_LAWS
 from pysprings.site.files import read_site
 from pysprings.site.picture import profile
-from pysprings.site.proposal import Options, propose
+from pysprings.site.proposal import Options, layers_of, propose
 from pysprings.site.sounding import unit_weight
 from tests.support.commands import command
 
 GAMMA = 9.81e3
 
 
-def sand_over_clay(rows: int = 1000, seed: int = 3) -> str:
-    """A CPT: sand of D_r 0.7 down to 5 m, clay of su = 20 + 2 (z - 5) kPa with N_kt 14 below, 5 % of scatter."""
+def sand_over_clay(rows: int = 1000, seed: int = 3, density: float = 0.7) -> str:
+    """A CPT: sand of a density down to 5 m, clay of su = 20 + 2 (z - 5) kPa with N_kt 14 below, 5 % of scatter."""
     depth = np.linspace(0.02, 20.0, rows)
     noise = np.exp(0.05 * np.random.default_rng(seed).normal(size=rows))
     effective = 9.5 * depth  # kPa
-    sand = 157.0 * np.maximum(effective, 1.0) ** 0.55 * np.exp(2.41 * 0.7)  # Baldi et al. (1986), NC
+    sand = 157.0 * np.maximum(effective, 1.0) ** 0.55 * np.exp(2.41 * density)  # Baldi et al. (1986), NC
     clay = 14.0 * (20.0 + 2.0 * (depth - 5.0)) + 19.3 * depth
     upper = depth < 5.0
     cone, friction = np.where(upper, sand, clay) * noise, np.where(upper, 0.006, 0.045)
@@ -80,14 +80,32 @@ def test_values_of_known_soils(cpt, weighed) -> None:
     assert np.divide(su["low"], su["best"]) == pytest.approx([14 / 18, 14 / 18], rel=1e-3)
 
 
-def test_a_row_of_the_next_layer_leaves_the_lines_in_sight(tmp_path) -> None:
-    """Soft clay over sand: the row on the boundary has su of hundreds of kPa."""
-    z = np.round(np.arange(0.02, 10.0, 0.02), 2)
-    cone, sleeve = np.where(z < 5.0, 0.6 + 0.05 * z, 20.0), np.where(z < 5.0, 0.025, 0.12)
-    file = tmp_path / "cpt.csv"
+def soft_clay_over_sand(file: Path, to: float, first: float = 0.02) -> Path:
+    """Write a test from its first row on: in clay down to a depth, and in sand from there on."""
+    z = np.round(np.arange(first, 10.0, 0.02), 2)
+    cone, sleeve = np.where(z < to, 0.6 + 0.05 * z, 20.0), np.where(z < to, 0.025, 0.12)
     rows = "\n".join(f"{a},{b},{c}" for a, b, c in zip(z, cone, sleeve, strict=True))
     file.write_text(f"z [m],qc [MPa],fs [MPa]\n{rows}\n")
-    proposed = propose(read_site([file]), Options())
+    return file
+
+
+def test_what_is_on_a_boundary_counts_in_the_layer_below_alone(tmp_path) -> None:
+    """The row at 5 m is of sand, and so is a strength that is measured there."""
+    cpt = soft_clay_over_sand(tmp_path / "cpt.csv", 5.0)
+    (tmp_path / "lab.csv").write_text("Depth [m],su [kPa]\n2,50\n5,60\n10,70\n")
+    (tmp_path / "beds.csv").write_text("From [m],To [m],Soil type\n0,5,clay\n5,9.98,sand\n")
+    for beds in ((), (tmp_path / "beds.csv",)):
+        proposed = propose(read_site([cpt, tmp_path / "lab.csv", *beds]), Options())
+        assert [(unit.bottom, unit.rows) for unit in proposed.units] == [(5.0, 249), (9.98, 250)]
+        assert np.nanmax(proposed.rows.part(layers_of(proposed.units, proposed.depth) == 0).cone) < 1e6
+        counts = [next(text for text in unit.remarks if "undrained" in text) for unit in proposed.units]
+        assert [text.split(" ")[0] for text in counts] == ["1", "1"]
+        assert any(each.endswith("(1 tests); --nkt uses others than the usual ones") for each in proposed.notes)
+
+
+def test_a_row_of_the_next_layer_leaves_the_lines_in_sight(tmp_path) -> None:
+    """Soft clay over sand: the rows above the boundary, which is rounded to 0.1 m, have su of hundreds of kPa."""
+    proposed = propose(read_site([soft_clay_over_sand(tmp_path / "cpt.csv", 4.96, first=0.06)]), Options())
     (panel,) = (axes for axes in profile(proposed, "").axes if axes.get_xlabel().startswith("su"))
     strength = max(np.max(unit.values["undrained_shear_strength"].lines) for unit in proposed.units[:1])
     assert panel.get_xlim() == pytest.approx((0.0, 2e-3 * strength))
@@ -248,12 +266,12 @@ def test_a_layer_without_unit_weight_has_not_that_of_its_neighbours(cpt, tmp_pat
     log.write_text("Depth from [m],Depth to [m],Soil type,Total unit weight [kN/m3]\n0,5,SAND,22\n5,20,CLAY,\n")
     found = propose(read_site([cpt, log]), Options())
     depth, whole = found.depth, unit_weight(found.rows.cone, found.rows.sleeve)
-    assert found.rows.effective[depth <= 5.0] == pytest.approx(depth[depth <= 5.0] * (22e3 - GAMMA))
+    assert found.rows.effective[depth < 5.0] == pytest.approx(depth[depth < 5.0] * (22e3 - GAMMA))
     below, step = np.flatnonzero(depth > 5.1), depth[1] - depth[0]
     grown = np.diff(found.rows.effective)[below - 1] / step
     assert grown == pytest.approx(0.5 * (whole[below] + whole[below - 1]) - GAMMA, rel=1e-2)
     cpt.write_text("\n".join(line.rsplit(",", 1)[0] for line in sand_over_clay().splitlines()))
-    text = "750 rows without sleeve friction in layers without unit weight: stresses with that of their neighbours"
+    text = "751 rows without sleeve friction in layers without unit weight: stresses with that of their neighbours"
     assert text in propose(read_site([cpt, log]), Options()).notes
 
 
@@ -398,6 +416,7 @@ def test_marks_of_rows_outside_the_range_of_a_correlation(cpt) -> None:
 
 def test_marks_of_the_table_are_read_with_it(cpt, tmp_path) -> None:
     """They stand in the row: a person who splits or moves a layer takes them along, and a scene remarks on them."""
+    cpt.write_text(sand_over_clay(density=0.75))
     for name in ("site.csv", "site.xlsx"):
         assert command("ground", cpt, "--out", tmp_path / name, "--no-figures").code == 0
         sand, *_, clay = read_layers(tmp_path / name)
