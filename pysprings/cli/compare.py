@@ -80,7 +80,7 @@ def diff(
         print_json({"runs": [str(first), str(second)], "rows": [asdict(row) for row in rows], "pictures": files})
         return
     change = ["" if row.change is None else f"{row.change + 0.0:+.2f}" for row in rows]
-    cells = [(row.part, row.quantity, row.first, row.second, each) for row, each in zip(rows, change, strict=True)]
+    cells = [(*row.cells, each) for row, each in zip(rows, change, strict=True)]
     heads = ("", "quantity", str(first), str(second), "change [%]")
     print_table(Table("", heads, cells, left=(True, True, True, True)), WIDTHS)
     for file in pictures:

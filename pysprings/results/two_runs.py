@@ -32,13 +32,20 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A quantity of both runs, as texts; change [%] of the second to the first where both are numbers."""
+    """A quantity of both runs: numbers in its unit, or texts; change [%] of the second to the first of numbers."""
 
     part: str
     quantity: str
-    first: str
-    second: str
+    first: str | float
+    second: str | float
     change: float | None = None
+    unit: str = ""
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """Part, quantity with its unit, and both values as texts."""
+        unit = f" [{self.unit}]" if self.unit else ""
+        return self.part, f"{self.quantity}{unit}", number(self.first, 5), number(self.second, 5)
 
 
 def differences(first: Run, second: Run) -> list[Row]:
@@ -87,22 +94,22 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, str]]:
 def _setting(first: Run, second: Run) -> Iterator[Row]:
     for words, read in (
         ("version", lambda record: record.version),
-        ("unknowns", lambda record: number(record.mesh.unknowns)),
+        ("unknowns", lambda record: record.mesh.unknowns),
         ("status", lambda record: str(record.status)),
     ):
         a, b = read(first.record), read(second.record)
         if a != b:
             yield Row("run", words, a, b)
-    yield _row("run", "wall [s]", first.record.wall_s, second.record.wall_s)
+    yield _row("run", "wall", "s", first.record.wall_s, second.record.wall_s)
 
 
 def _stiffness(first: Run, second: Run) -> Iterator[Row]:
     a, b = (each.result.dataset["stiffness_initial"].values for each in (first, second))
-    for words, i, j in (
-        ("H per u [MN/m]", 0, 0), ("H per rotation [MN/rad]", 0, 2), ("M per rotation [MN m/rad]", 2, 2),
-        ("V per w [MN/m]", 1, 1),
+    for words, unit, i, j in (
+        ("H per u", "MN/m", 0, 0), ("H per rotation", "MN/rad", 0, 2), ("M per rotation", "MN m/rad", 2, 2),
+        ("V per w", "MN/m", 1, 1),
     ):  # fmt: skip
-        yield _row("initial stiffness", words, 1e-6 * float(a[i, j]), 1e-6 * float(b[i, j]))
+        yield _row("initial stiffness", words, unit, 1e-6 * float(a[i, j]), 1e-6 * float(b[i, j]))
 
 
 def _paths(first: Run, second: Run) -> Iterator[Row]:
@@ -116,7 +123,7 @@ def _paths(first: Run, second: Run) -> Iterator[Row]:
     for name in common:
         a, b = (paths_of(each.result)[name] for each in (first, second))
         if not same_load(a.load, b.load):
-            yield _row(f"path {name}", "V at its start [kN]", 1e-3 * a.load, 1e-3 * b.load)
+            yield _row(f"path {name}", "V at its start", "kN", 1e-3 * a.load, 1e-3 * b.load)
         yield from _along(f"path {name}", a, b)
         yield Row(f"path {name}", "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
         one, other = (end_of(name, before_cavitation(each.dataset)) for each in (a, b))
@@ -149,13 +156,13 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
         values = [factor * float(np.interp(end, *curve(each.dataset, driver, quantity))) for each in (a, b)]
         if quantity in ("H", "M"):
             values = [value * (quantity in each) for value, each in zip(values, loads, strict=True)]
-        yield _row(part, f"{quantity} {at} [{unit}]", *values)
+        yield _row(part, f"{quantity} {at}", unit, *values)
     ways = [_way_come(each, a.length) for each in (a, b)]
     grid = np.linspace(0.0, min(way[-1] for way in ways), POINTS)
     one, other = (np.interp(grid, *growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True))
     if (size := float(np.abs(one).max())) and (load == "V" or all(load in each for each in loads)):
         share = 100.0 * float(np.abs(other - one).max()) / size
-        yield Row(part, f"largest difference of {load}, in % of the largest", "", number(share, 3))
+        yield Row(part, f"largest difference of {load}", "", share, unit="% of the largest")
 
 
 LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
@@ -196,6 +203,6 @@ def _way_come(path: RecordedPath, length: float) -> Array:
     return np.cumsum(steps + turns)
 
 
-def _row(part: str, quantity: str, first: float, second: float) -> Row:
+def _row(part: str, quantity: str, unit: str, first: float, second: float) -> Row:
     change = 100.0 * (second / first - 1.0) if first and np.isfinite([first, second]).all() else None
-    return Row(part, quantity, number(first, 5), number(second, 5), change)
+    return Row(part, quantity, first + 0.0, second + 0.0, change, unit)  # no -0.0
