@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -123,7 +124,15 @@ def atlas(
         print()
     print(f"held back: {made.about['held back']}")
     print(f"{file} ({file.stat().st_size / 1e6:.2f} MB)")
-    print(f"pysprings predict --atlas {target} --D ... --L ...")
+    print(f"next: {next_command(made, target)}")
+
+
+def next_command(made: Atlas, file: Path) -> str:
+    """Return a command that the atlas answers: of its base scene, or the page where that is not among its cases."""
+    D, L = made.base.caisson.outer_diameter, made.base.caisson.skirt_length
+    if made.beyond(made.base):
+        return f"pysprings explore --atlas {shlex.quote(str(file))}"
+    return f'pysprings predict --atlas {shlex.quote(str(file))} --D "{D:g} m" --L "{L:g} m" --u-max "{D:g} mm"'
 
 
 def _shares(text: str | None) -> tuple[float, ...]:

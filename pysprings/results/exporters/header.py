@@ -84,8 +84,7 @@ def header(
         f"scene: {attrs.get('title', 'not recorded')}; sha256 {attrs.get('scene_sha256', 'not recorded')}",
         f"springs by pysprings {attrs.get('pysprings_version', 'not recorded')}; "
         f"status {attrs.get('status', 'not recorded')}",
-        *given.atlas_words,
-        *_of_atlas(given),
+        *of_atlas(given),
         f"frame: {frame}",
         f"units: {units}",
         f"drainage: {given.drainage}; rate: {rate or 'none: the springs do not depend on it'}; "
@@ -100,8 +99,9 @@ def header(
     ]
 
 
-def _of_atlas(springs: Springs) -> Iterator[str]:
-    """Yield where the caisson is outside an atlas, what its initial stiffness may be off, and errors held back."""
+def of_atlas(springs: Springs) -> Iterator[str]:
+    """Yield where springs of an atlas are from, what is outside, deviations of their stiffness, errors held back."""
+    yield from springs.atlas_words
     if outside := str(springs.attrs.get("atlas_outside", "")):
         yield outside
     if springs.of_atlas:

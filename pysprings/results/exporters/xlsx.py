@@ -27,7 +27,7 @@ from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import AT_REST, NO_TORSION, stiffness_six
 from pysprings.results.exporters.base import Exported, Options, Source, Target
-from pysprings.results.exporters.header import error_of_row, range_of_path
+from pysprings.results.exporters.header import error_of_row, of_atlas, range_of_path
 from pysprings.results.exporters.tables import with_net
 from pysprings.results.sheets import HEAD, PLAIN_CELLS
 from pysprings.springs.path import paths_of
@@ -64,7 +64,6 @@ _ORIGIN = {
     "skirt_thickness_m": "skirt thickness [m]",
     "vertical_load_N": "vertical load [N]",
     "status": "status of the run",
-    "atlas_outside": "of the atlas",
     "history": "history",
 }
 
@@ -119,7 +118,7 @@ def about_lines(
         if text := str(springs.attrs.get(key, "")):
             yield "text", name, text
     given = Springs.of(springs)
-    yield from (("text", "atlas", words) for words in given.atlas_words)
+    yield from (("text", "atlas", words) for words in of_atlas(given))
     yield "text", "", ""
     yield "title", "Axes and signs", ""
     yield from (("mono", "", line) for line in _SKETCH)

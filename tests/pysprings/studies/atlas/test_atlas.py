@@ -2,6 +2,7 @@
 """The atlas that ships: springs like those of a full model, laws of similarity, refusals, deviations."""
 
 import json
+import shlex
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import xarray as xr
 
 import pysprings
+from pysprings.cli.atlas import next_command
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.macro.comparison import compare
@@ -23,6 +25,7 @@ from pysprings.scene.template import template_text
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.studies.atlas.between import Process, between, filled
 from pysprings.studies.atlas.build import build, held_back_words
+from pysprings.studies.atlas.model import write_atlas
 from pysprings.studies.atlas.samples import Samples, factors, scenes
 from pysprings.studies.design import answer_cases
 from tests.support.commands import command
@@ -48,6 +51,18 @@ def test_springs_of_an_atlas_are_a_spring_file(atlas, tmp_path):
     assert made.attrs["source"] == "atlas clay"
 
 
+@pytest.mark.parametrize("name", ["clay", "clay-gap", "sand"])
+def test_the_command_that_follows_an_atlas_runs_as_printed(name, tmp_path):
+    """Of a base scene that is not among the cases it is the page, which takes any caisson of the atlas."""
+    made, file = pysprings.open_atlas(name), tmp_path / "my atlas.nc"
+    write_atlas(made, file)
+    program, *words = shlex.split(next_command(made, file))
+    done = command(*words, "--json")
+    assert program == "pysprings" and done.code == 0 and len(json.loads(done.out)["states"]) > 1, done.err
+    away = replace(made, inputs=made.inputs + 10.0)
+    assert next_command(away, file) == f"pysprings explore --atlas '{file}'"
+
+
 @pytest.mark.parametrize("name", ["clay", "clay-gap"])
 def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
     """What is handed over says where its numbers come from: in the head of the file, and as `export` prints it."""
@@ -64,7 +79,10 @@ def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
     export(made, "xlsx", tmp_path / "springs.xlsx")
     book = openpyxl.load_workbook(tmp_path / "springs.xlsx")
     cells = [text for sheet in book for row in sheet.values for text in row if "full model" in str(text)]
-    assert cells and all(f"({len(known.inputs)} full models)" in each or "no full model" in each for each in cells)
+    about = "\n".join(str(row[1]) for row in book["About"].values if row[0] == "atlas")
+    assert words[0] in about and "held back: largest errors on" in about and "initial stiffness: K_H" in about
+    own = [f"({len(known.inputs)} full models)", f"full models: {len(known.inputs)};", "no full model"]
+    assert cells and all(any(text in each for text in own) for each in cells)
     assert book["load-displacement"]["C3"].value == f"rays of the atlas {name} u [mm]"
     edge = "L/D: 0.3333 is outside the atlas (0.5 to 1.5)"
     export(known.springs(known.scene(9.0, 3.0), extrapolate=True), "xlsx", tmp_path / "beyond.xlsx")
