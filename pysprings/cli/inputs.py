@@ -82,6 +82,10 @@ def read_springs(result: Path) -> xr.DataTree:
         refuse_estimates(result)
         refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
     tree = read_tree(path)
+    if result.is_dir():
+        from pysprings.results.estimates import refuse_other
+
+        refuse_other(result, str(tree.attrs.get("title", "")))
     if "section" in tree.children and "scene_toml" in tree.attrs:
         from pysprings.results.layout import open_result
         from pysprings.springs.checks import extract_springs

@@ -106,7 +106,13 @@ def on_mesh(scene: Scene, preset: str | None) -> Scene:
 def description(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
     """Return the document that `pysprings check --json` prints."""
     paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.all_paths]
-    head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
+    head = {
+        "scene": str(file),
+        "title": scene.title,
+        "estimate": scene.estimate,
+        "scene_sha256": scene.sha256,
+        "paths": paths,
+    }
     return {**head, "left_out": [], **about}
 
 
@@ -144,6 +150,12 @@ _LOADS = (
 )  # fmt: skip
 
 
+def print_estimate(scene: Scene) -> None:
+    """Print which values of the ranges of a scene count; nothing of a scene without ranges."""
+    if scene.estimate:
+        print(f"of values with a range the {scene.estimate} ones count (soil.estimate)")
+
+
 def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
     """Print the ground by depth: a row for top and bottom of each layer."""
     if rows:
@@ -158,6 +170,7 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
 
     print(printable(f"{file}: {scene.title}"))
     print(f"sha256 {scene.sha256}")
+    print_estimate(scene)
     paths = ", ".join(f"{path.name} ({path.kind}, {path.role})" for path in scene.all_paths)
     print(f"mesh {scene.mesh.preset}; paths: {paths}\n")
     apart = ("ground", "cyclic", "vertical_loads", "left_out", "warnings", "defaulted")

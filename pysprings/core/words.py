@@ -19,6 +19,7 @@ Figures = Literal["none", "report", "all"]  # pictures of a run: none, those tha
 FigureFormat = Literal["png", "svg", "png,svg"]
 Estimate = Literal["low", "best", "high"]  # which end of the ranges of a scene counts
 ESTIMATES: tuple[Estimate, ...] = ("low", "best", "high")
+OF_ESTIMATE = "({} estimate)"  # in the title of a scene whose estimate is chosen, and of all that is made of it
 
 # kinds of the largest known load of an answer that is no capacity: more is not known; nothing is
 RANGE_END, NOT_KNOWN = "end of the range", "not known"

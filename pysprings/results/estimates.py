@@ -17,7 +17,7 @@ from pysprings.core.errors import refused
 from pysprings.core.path_kinds import kind_of
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
-from pysprings.core.words import ESTIMATES
+from pysprings.core.words import ESTIMATES, OF_ESTIMATE
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.layout import FIGURES
@@ -42,6 +42,13 @@ def folders_of(folder: Path) -> dict[str, Path]:
     if (folder / "run.json").exists():
         return {}
     return {name: folder / name for name in ESTIMATES if (folder / name / "springs.nc").exists()}
+
+
+def refuse_other(folder: Path, title: str) -> None:
+    """Refuse springs in the folder of one estimate whose title names another one: they were copied there."""
+    if folder.name in ESTIMATES and OF_ESTIMATE.format(folder.name) not in title:
+        for other in (each for each in ESTIMATES if OF_ESTIMATE.format(each) in title):
+            raise refused(None, f"springs.nc is that of the {other} estimate: {title}", folder)
 
 
 def all_folders_of(folder: Path) -> dict[str, Path]:
@@ -167,7 +174,7 @@ def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFr
     (folder / FIGURES).mkdir(exist_ok=True)
     files = [file for name, paths in common.items() for file in save(overlay(paths, name), folder / FIGURES / name)]
     pictures = [Picture(f"path {file.stem}", picture_uri(file.read_bytes(), file.suffix)) for file in files]
-    titles = {str(run.result.attrs["title"]).replace(f" ({name} estimate)", "") for name, run in runs.items()}
+    titles = {str(run.result.attrs["title"]).replace(f" {OF_ESTIMATE.format(name)}", "") for name, run in runs.items()}
     title = next(iter(titles)) if len(titles) == 1 else titled(next(iter(titles)), ())  # of cycles of each
     status = {name: _status(run.record) for name, run in runs.items()}
     page = page_html("estimates.html.j2", title=title, status=status, loads=table_of(loads), pictures=pictures)

@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted, unit_of
-from pysprings.core.words import ESTIMATES
+from pysprings.core.words import ESTIMATES, OF_ESTIMATE
 from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, refuse
 
 
@@ -315,7 +315,7 @@ def take_estimate(data: dict[str, Any], title: str) -> tuple[list[str], str]:
     elif given is not None and not ranged:
         wrong = "no value of the scene has a range { low, best, high }: all estimates are the same"
     elif given is not None and isinstance(own, str):
-        data["title"] = f"{own[:180]} ({given} estimate)"
+        data["title"] = f"{own[:180]} {OF_ESTIMATE.format(given)}"
     return [chosen, *(each for each in ESTIMATES if ranged and each != chosen)], wrong
 
 

@@ -151,7 +151,7 @@ class SceneText:
         cyclic = [stratum.tables.get(CYCLIC) for stratum in scene.ground.strata]
         scene = scene.model_copy(update={"title": titled(scene.title, [each for each in cyclic if each])})
         if len(scenes) > 1:
-            scene._of_ranges = _digest(scenes)
+            scene._of_ranges, scene._estimate = _digest(scenes), estimates[0]
         # a scene of a profile, contours or load cases is written with their values: it needs no other file then
         if not (self._profile or from_files or changed or scene.design.cases):
             scene._source = (self.text, scene.sha256)
@@ -336,6 +336,8 @@ _LAW = {"law": "yield_surface", "yield_surface": "law"}  # of [soil] and of a la
 
 def _unknown_key(path: KeyPath) -> Fault:
     """Return the message on an unknown key, with the most similar valid one."""
+    if path == ("soil", "profile"):  # `_read_profile` has taken that of the file
+        return Fault((path,), "names a table that is read with the file: give it there, or values of its layers here")
     name = str(path[-1])
     section = sections.Layer if path[:2] == ("soil", "layer") else SECTIONS.get(str(path[0]))
     known = _keys(section) if len(path) > 1 and section else ["title", *SECTIONS]

@@ -26,6 +26,7 @@ class Scene(SceneSections):
 
     _source: tuple[str, str] = PrivateAttr(("", ""))  # TOML text, and the sha256 of the scene that it gave
     _of_ranges: str | None = PrivateAttr(None)  # digest of all estimates of the text; None of one without ranges
+    _estimate: str | None = PrivateAttr(None)  # whose values it has, of a text with ranges
 
     @model_validator(mode="after")
     def _refuse_clashes(self) -> Self:
@@ -85,6 +86,11 @@ class Scene(SceneSections):
         return self._of_ranges
 
     @property
+    def estimate(self) -> str | None:
+        """Which values of the ranges of its text the scene has: low, best or high; None without ranges."""
+        return self._estimate
+
+    @property
     def source_text(self) -> str:
         """The TOML text that the scene was read from; `to_toml()` for one made or changed in Python."""
         text, digest = self._source
@@ -106,7 +112,7 @@ class Scene(SceneSections):
             merge = isinstance(change, dict) and isinstance(data.get(name, None), dict)
             data[name] = {**data[name], **change} if merge else change
         changed = self.model_validate(data)
-        changed._of_ranges = self._of_ranges
+        changed._of_ranges, changed._estimate = self._of_ranges, self._estimate
         return changed
 
     def _repr_html_(self) -> str:

@@ -61,6 +61,23 @@ def test_a_folder_for_each_estimate_and_files_of_all(ran: tuple[Path, Result]) -
     assert "(low estimate)" not in page and page.count("complete; mesh error: ") == len(NAMES)
 
 
+def test_springs_in_the_folder_of_another_estimate_are_refused(ran: tuple[Path, Result], tmp_path: Path) -> None:
+    """Their own title names the estimate; a folder of any other name takes them."""
+    for name in ("low", "high", "other"):
+        shutil.copytree(ran[0] / name if name != "other" else ran[0] / "low", tmp_path / name)
+    shutil.copy(ran[0] / "low" / "springs.nc", tmp_path / "high" / "springs.nc")
+    asked = ("--H", "5 kN", "--arm", "0 m")
+    (tmp_path / "cases.csv").write_text("case,H [kN],arm [m]\na,20,0\n")
+    words = "high: springs.nc is that of the low estimate: "
+    for refused in (
+        command("predict", tmp_path / "high", *asked), command("design", tmp_path, tmp_path / "cases.csv"),
+        command("export", tmp_path, "--to", "xlsx"),
+    ):  # fmt: skip
+        assert refused.code == 2 and words in refused.err
+    for name in ("low", "other"):
+        assert (done := command("predict", tmp_path / name, *asked)).code == 0, done.err
+
+
 def test_loads_side_by_side_are_in_proportion_to_the_stiffness(ran: tuple[Path, Result]) -> None:
     table = pd.read_csv(ran[0] / "estimates.csv")
     assert list(table.columns) == ["part", "quantity", *NAMES]

@@ -125,6 +125,8 @@ def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
         load_scene(file)
     with pytest.raises(UserInputError, match=r"soil.profile: give soil.profile or \[\[soil.layer\]\], not both"):
         tiny.parsed(SCENE + '[[soil.layer]]\ntop = "0 m"\n')
+    with pytest.raises(UserInputError, match=r"--set: soil\.profile: names a table that is read with the file"):
+        load_scene(write(tmp_path), ["soil.profile=other.csv"])
 
 
 OPENPILE = """\

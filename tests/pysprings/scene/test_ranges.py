@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Values with low, best and high: the estimate picks one of them in scenes and tables; wrong ranges are refused."""
 
+import json
 import re
 
 import numpy as np
@@ -10,6 +11,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.profile_table import read_layers
 from pysprings.scene.template import scene_schema
+from tests.support.commands import command
 
 SCENE = """\
 [soil]
@@ -34,15 +36,28 @@ def test_the_estimate_picks_the_value_of_a_range(estimate: str | None, phi: floa
     changes = [] if estimate is None else [f'soil.estimate="{estimate}"']
     scene = parse_scene(SCENE, changes=changes)
     assert np.degrees(scene.soil.friction_angle_final) == pytest.approx(phi)
+    assert scene.estimate == (estimate or "best") == scene.replace(title="x").estimate
     assert parse_scene(scene.source_text) == scene
     assert parse_scene(scene.to_toml()) == scene
+
+
+def test_commands_name_the_estimate_whose_values_count(tmp_path) -> None:
+    """That is the best one where nothing chooses; nothing is named of a scene without ranges."""
+    file, words = tmp_path / "a.toml", "of values with a range the {} ones count"
+    file.write_text(SCENE)
+    lab = ("element", file, "--stress", "50 kPa", "--strain", "0.001", "--no-figures", "--out", tmp_path / "lab")
+    for name, more in (("best", ()), ("low", ("--set", 'soil.estimate="low"'))):
+        for asked in (("check", file), lab):
+            assert words.format(name) in command(*asked, *more).out
+            assert json.loads(command(*asked, *more, "--json").out)["estimate"] == name
+    assert "ones count" not in command("check", file, "--set", 'soil.friction_angle_final="36 deg"').out
 
 
 def test_scenes_of_two_estimates_have_different_sums() -> None:
     sums = {parse_scene(SCENE, changes=[f'soil.estimate="{each}"']).sha256 for each in ("low", "best", "high")}
     assert len(sums) == 3
     plain = SCENE.replace('{ low = "33 deg", best = "36 deg", high = "39 deg" }', '"36 deg"')
-    assert parse_scene(SCENE).sha256 == parse_scene(plain).sha256
+    assert parse_scene(SCENE).sha256 == parse_scene(plain).sha256 and parse_scene(plain).estimate is None
 
 
 def test_a_range_may_hold_values_by_depth() -> None:
