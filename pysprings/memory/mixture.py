@@ -37,7 +37,7 @@ from pysprings.memory.elements import PLATES, STATES, advance, follow, relax
 from pysprings.memory.shares import Shares, elastic_of, stiffnesses, ways_of
 from pysprings.memory.water import Water
 
-PARTS = 20  # steps in which V passes the range of the loads
+PARTS = 60  # steps in which V passes the range of the loads; a part of it has that times the root of its share
 FIRST, WIDEST = (1.0, 4.0), 1e3  # V_virgin and V_reload where a fit starts, and their largest value, over that range
 
 
@@ -220,7 +220,7 @@ class ChangingLoad:
         """Return the steps from a V [N] to another one; top: largest V so far."""
         if start == end:
             return [Step(self.rows_at(end), 1.0, 1.0)]
-        n = max(1, int(np.ceil(abs(end - start) / (self.loads[-1] - self.loads[0]) * PARTS)))
+        n = int(np.ceil(np.sqrt(abs(end - start) / (self.loads[-1] - self.loads[0])) * PARTS))
         loads = np.linspace(start, end, n + 1)
         fresh = np.diff(np.maximum(np.maximum.accumulate(loads), top))
         kept = np.exp(-fresh / self.virgin - (np.abs(np.diff(loads)) - fresh) / self.reloading)

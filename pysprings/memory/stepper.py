@@ -209,8 +209,8 @@ class MemoryStepper:
     def tangent(self) -> Array:
         """Tangent (2, 2) of (H, M) to (u, rotation) at the end of the last trial step.
 
-        Consistent with `advance` for steps that are not divided (up to a hundredth of the reach); before the first
-        step it is that at rest.
+        Consistent with `advance` for steps that are not divided (up to a hundredth of the reach), and nearly so where
+        V changes; before the first step it is that at rest.
         """
         model, F, K, state = self.model, np.zeros(2), np.zeros((2, 2)), self.state.copy()
         start, end = self.motion * model.to_motion, self._trial[1] * model.to_motion
