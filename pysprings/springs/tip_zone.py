@@ -88,6 +88,16 @@ def shares(old: Array, edges: Array) -> Array:
     return np.asarray(np.maximum(high - low, 0.0) / np.diff(edges)[:, None])
 
 
+def as_on(own: Array, slices: Array, values: Array, bounds: Array) -> Array:
+    """Return values (k, ...) of slices with bounds (k, 2) [m] in the slices (n, 2) of a finer mesh, (n, ...).
+
+    In each of the k slices they vary as the values ``own`` (n, ...) of that mesh do. Their sums over depth remain.
+    """
+    old, new = (np.append(each[:, 0], each[-1, 1]) for each in (bounds, slices))
+    change = values - np.tensordot(shares(slices, old), own, axes=1)
+    return np.asarray(own + np.tensordot(shares(bounds, new), change, axes=1))
+
+
 def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
     """Return a path whose slices lie between these depths [m]; by default those of `tip_zone`."""
     edges = tip_zone(path) if edges is None else edges
@@ -105,7 +115,7 @@ def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
     by_side = bare["p_component"].sum("component") if "p_component" in bare else bare["p"]
     values["m"] = values["m"] - (share * arm).dot(by_side, dim="depth")
     y = bare["y"].transpose("depth", ...)
-    moved = np.stack([_line(rings, y.values.reshape(rings.size, -1), z) for z in at])
+    moved = np.stack([on_line(rings, y.values.reshape(rings.size, -1), z) for z in at])
     values["y"] = xr.DataArray(moved.reshape(-1, *y.shape[1:]), dims=("slice", *y.dims[1:]))
     new = path.drop_dims("depth")
     for name, each in values.items():
@@ -116,7 +126,7 @@ def on_slices(path: xr.Dataset, edges: Array | None = None) -> xr.Dataset:
     return new.assign(depth_bounds=(path["depth_bounds"].dims, bounds, path["depth_bounds"].attrs))
 
 
-def _line(x: Array, y: Array, at: float) -> Array:
+def on_line(x: Array, y: Array, at: float) -> Array:
     """Return y (n,) of values (depth, n) at a depth, on the straight line through the two rings beside it."""
     k = int(np.clip(np.searchsorted(x, at), 1, max(x.size - 1, 1)))
     if x.size == 1:

@@ -26,7 +26,7 @@ from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.full_model.accuracy.measures import driver_of
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.path_ends import MESH_ERROR, end_numbers
-from pysprings.springs.tip_zone import shares
+from pysprings.springs.tip_zone import as_on
 
 PUSHED, PULLED = 1.0, 2.0  # of vertical paths in sand, in the elements beside the tip (error-estimates-vertical.csv)
 _DEPTHS = ("p_component", "m", "t")
@@ -226,17 +226,12 @@ def _resliced(found: Reactions, path: xr.Dataset, fine: xr.Dataset) -> None:
     In each of its slices p, m and t differ by one value from those of the finer mesh: jumps between layers and the peak
     at the tip stay where they are. Force is kept; m takes what the place of p changes, so that the moment is, too.
     """
-    bounds, slices = path["depth_bounds"].values, fine["depth_bounds"].values
-    edges, new = (np.append(each[:, 0], each[-1, 1]) for each in (bounds, slices))
-    own = {name: fine[name].transpose(*_axes(fine, name)).values for name in _DEPTHS if name in found}
-    mean, spread = (
-        partial(np.tensordot, shares(slices, edges), axes=1),
-        partial(np.tensordot, shares(bounds, new), axes=1),
-    )
+    put = partial(as_on, slices=fine["depth_bounds"].values, bounds=path["depth_bounds"].values)
     levers = _levers(found, path)
-    for name, values in own.items():
-        found[name] = values + spread(found[name] - mean(values))
-    found["m"] = found["m"] + spread(mean(_levers(found, fine)) - levers)
+    for name in (name for name in _DEPTHS if name in found):
+        found[name] = put(fine[name].transpose(*_axes(fine, name)).values, values=found[name])
+    moved = _levers(found, fine)
+    found["m"] = found["m"] + moved - put(moved, values=levers)
 
 
 def _levers(found: Reactions, path: xr.Dataset) -> Array:

@@ -19,6 +19,7 @@ load that climbs) is followed along |u| + |rotation| L, as in `macro.comparison`
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,8 @@ from scipy.optimize import brentq
 from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import PATH_KINDS, direction_of_load, kind_of
 from pysprings.macro.measures import eta
-from pysprings.springs.path import paths_of
+from pysprings.springs.path import RecordedPath, paths_of
+from pysprings.springs.tip_zone import as_on, on_line
 
 # The contact pressure is sought down to this share of the skirt: at its tip the exact one is singular in elastic soil,
 # and the largest value there depends on how fine the mesh is, without a limit.
@@ -109,8 +111,26 @@ def slice_curves(path: xr.Dataset, length: float, n: int) -> tuple[Array, Array]
     force = CubicSpline(np.append(bounds[:, 0], bounds[-1, 1]), above)
     p = np.diff(force(np.clip(edges, bounds[0, 0], bounds[-1, 1])), axis=0) / np.diff(edges)[:, None]
     y = path["y"].transpose("depth", "step").values
-    middle = _linear_shares(path["depth"].values, 0.5 * (edges[1:] + edges[:-1]))
-    return middle.T @ (y - y[:, :1]), p
+    middle = [on_line(path["depth"].values, y - y[:, :1], z) for z in 0.5 * (edges[1:] + edges[:-1])]
+    return np.stack(middle), p
+
+
+def on_finer_slices(path: xr.Dataset, finer: xr.Dataset, length: float) -> xr.Dataset:
+    """Return p and y of a path in the slices of a finer mesh, where p varies in each of its own as on that mesh.
+
+    A spline through few slices overshoots where p jumps from layer to layer. Without two states of the finer mesh that
+    move on the path is returned as it is.
+    """
+    of, on = driver_of(finer, length), leading(driver_of(finer, length))
+    if on.size < 2:
+        return path
+    like = _between(of[on], finer["p"].transpose("step", "depth").values[on], driver_of(path, length)).T
+    bounds, slices = path["depth_bounds"].values, finer["depth_bounds"].values
+    p = as_on(like, slices, path["p"].transpose("depth", "step").values, bounds)
+    y = path["y"].transpose("depth", "step").values
+    y = np.stack([on_line(path["depth"].values, y, z) for z in finer["depth"].values])
+    values = {"p": (("depth", "step"), p), "y": (("depth", "step"), y), "depth_bounds": (("depth", "side"), slices)}
+    return xr.Dataset(values, {"depth": finer["depth"].values})
 
 
 def _linear_shares(depth: Array, at: Array) -> Array:
@@ -195,10 +215,13 @@ Sample = dict[str, Array]
 """Values of the quantities on a grid; NaN where a slice is left out."""
 
 
-def curves_of(result: xr.DataTree, of_mesh: bool = False) -> dict[str, Curve]:
+def curves_of(
+    result: xr.DataTree, of_mesh: bool = False, finer: Mapping[str, RecordedPath] = MappingProxyType({})
+) -> dict[str, Curve]:
     """Return the curves of a full-model result, by path; paths without two states that move on are left out.
 
-    ``of_mesh``: those of its own mesh, not the extrapolated ones (`springs.path.paths_of`).
+    ``of_mesh``: those of its own mesh, not the extrapolated ones (`springs.path.paths_of`). ``finer``: paths of a finer
+    mesh, in whose slices p is taken (`on_finer_slices`).
     """
     curves = {}
     for name, recorded in paths_of(result, of_mesh).items():
@@ -210,7 +233,8 @@ def curves_of(result: xr.DataTree, of_mesh: bool = False) -> dict[str, Curve]:
         rising = leading(x)
         if rising.size < 2:
             continue
-        y, p = slice_curves(path, length, SLICES)
+        sliced = on_finer_slices(path, finer[name].dataset, length) if name in finer else path
+        y, p = slice_curves(sliced, length, SLICES)
         y = np.zeros_like(y) if recorded.is_vertical else y  # to rounding: no p(y)
         by_x = {LOAD: load_of(path), OTHER: other_of(path), PRESSURE: pressure_of(path, length)}
         curves[name] = Curve(

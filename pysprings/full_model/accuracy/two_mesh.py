@@ -58,14 +58,14 @@ ORDERS = {
 }
 # Shares of the difference of both meshes that extrapolation may leave: those that scenes ask for
 # (data/evidence/error-estimates-clay.csv, -sand.csv, -dense.csv); p(y) near the tip has no order that it keeps, and its
-# edge effect covers a skirt below SHORT D.
+# edge effect covers a skirt below SHORT D, where IN_SHORT counts.
 SHORT = 0.5
 UNSURE = {
-    "sand": {LOAD: 0.6, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
-    "sand by density": {LOAD: 1.0, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
-    "clay": {LOAD: 0.35, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
-    "short skirt in clay": {LOAD: 0.875, VERTICAL: 0.875, OTHER: 0.4, PY: 1.4},
+    "sand": {LOAD: 0.6, VERTICAL: 0.35, OTHER: 0.4, PY: 1.0},
+    "sand by density": {LOAD: 1.0, VERTICAL: 0.35, OTHER: 0.4, PY: 1.0},
+    "clay": {LOAD: 0.35, VERTICAL: 0.35, OTHER: 0.4, PY: 1.0},
 }
+IN_SHORT = {"sand": {PY: 1.4}, "sand by density": {PY: 1.4}, "clay": {LOAD: 0.875, VERTICAL: 0.875, PY: 1.4}}
 # [%] of the change of V: bearing of the tip in sand falls with the first power of its cells, and two meshes agree too
 # soon; with halved elements beside the tip HALVED of what these change is left, and LEAST_HALVED at least
 # (data/evidence/error-estimates-vertical.csv)
@@ -141,14 +141,14 @@ def differences(fine: xr.DataTree, coarse: xr.DataTree) -> ByPath:
 
     The load of a vertical path is the change of V, a measure of its own: `vertical_max`.
     """
-    by_path = samples({"fine": curves_of(fine, of_mesh=True), "coarse": curves_of(coarse, of_mesh=True)})
+    paths = paths_of(fine, of_mesh=True)
+    by_path = samples({"fine": curves_of(fine, of_mesh=True), "coarse": curves_of(coarse, True, paths)})
     found = {name: measures.errors(each["coarse"], each["fine"]) for name, each in by_path.items()}
     others, none = space_paths_of(coarse), dict.fromkeys(measures.MEASURES, float("nan"))
     for name, path in space_paths_of(fine).items():
         if name in others:
             length, radius = float(fine.attrs["skirt_length_m"]), 0.5 * float(fine.attrs["outer_diameter_m"])
             found[name] = none | {"load_max": off_plane_error(path.recorded, others[name].recorded, length, radius)}
-    paths = paths_of(fine)
     for name, each in found.items():
         vertical = name in paths and paths[name].rules.drives == "w"
         each["vertical_max"] = each["load_max"] if vertical else float("nan")
@@ -160,9 +160,9 @@ def left_in(scene: Scene) -> dict[str, float]:
     """Return the share of the difference of both meshes that extrapolation may leave, by measure."""
     short = scene.caisson.skirt_length < SHORT * scene.caisson.outer_diameter
     dense = any(stratum.law == "sand" for stratum in scene.ground.strata)
-    sand = "sand by density" if dense else "sand"
-    where = ("short skirt in clay" if short else "clay") if scene.ground.total_stress else sand
-    return {name: UNSURE[where][quantity] for name, quantity in ESTIMATED.items() if quantity in UNSURE[where]}
+    where = "clay" if scene.ground.total_stress else "sand by density" if dense else "sand"
+    shares = UNSURE[where] | (IN_SHORT[where] if short else {})
+    return {name: shares[quantity] for name, quantity in ESTIMATED.items() if quantity in shares}
 
 
 def estimate(
