@@ -167,7 +167,7 @@ def test_sand_leaves_the_shares_that_its_scenes_ask_for() -> None:
     half = {"skirt_length": 0.5 * tiny.sand().caisson.outer_diameter}
     assert two_mesh.left_in(tiny.sand(caisson=half)) == frictional
     short = {"skirt_length": 0.49 * tiny.sand().caisson.outer_diameter}
-    assert two_mesh.left_in(tiny.sand(caisson=short)) == frictional | {"py_rms": 1.4}
+    assert two_mesh.left_in(tiny.sand(caisson=short)) == frictional | {"load_max": 0.85, "py_rms": 1.4}
     dense = tiny.sand(caisson=half, soil={"yield_surface": "sand", "relative_density": 0.7})
     assert two_mesh.left_in(dense) == frictional | {"load_max": 1.0}
 
