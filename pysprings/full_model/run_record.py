@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
@@ -138,10 +138,15 @@ class CutBack(_Part):
     last_residuals: list[float] = field(default_factory=list)
 
 
-def _significant(*values: float) -> list[float]:
-    """Return values with 0 for those that are none beside the largest, in N and N m, or m and rad."""
-    least = SOLVED * max(map(abs, values))
-    return [value if abs(value) > least else 0.0 for value in values]
+def significant(
+    first: Sequence[float], second: Sequence[float], length: float = 1.0
+) -> tuple[list[float], list[float]]:
+    """Return both with 0 for values that are none beside the largest; the second count times a length."""
+    least = SOLVED * max(map(abs, [*first, *(length * each for each in second)]))
+    return (
+        [each if abs(each) > least else 0.0 for each in first],
+        [each if length * abs(each) > least else 0.0 for each in second],
+    )
 
 
 _VERTICAL = 1.0e-6  # H [N] and M [N m] of a vertical load, beside V, are rounding
@@ -182,8 +187,8 @@ class LimitLoad(_Part):
     def __str__(self) -> str:
         if self.is_vertical:
             return f"V = {1e-3 * self.V_N:.5g} kN at w = {1e3 * self.w_m:.4g} mm ({self.criterion})"
-        H, M, V, T = _significant(self.H_N, self.M_Nm, self.V_N, self.T_Nm or 0.0)
-        u, turn, twist = _significant(self.u_m, self.rotation_rad, self.twist_rad or 0.0)
+        (H, V), (M, T) = significant((self.H_N, self.V_N), (self.M_Nm, self.T_Nm or 0.0))
+        (u,), (turn, twist) = significant((self.u_m,), (self.rotation_rad, self.twist_rad or 0.0))
         loads, motions = f"H = {1e-3 * H:.5g} kN, M = {1e-3 * M:.5g} kN m, V = {1e-3 * V:.5g} kN", ""
         if self.T_Nm is not None:
             loads, motions = f"{loads}, T = {1e-3 * T:.5g} kN m", f", twist = {math.degrees(twist):.4g} deg"

@@ -14,8 +14,8 @@ import xarray as xr
 from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, percent
-from pysprings.core.words import SOLVED, sudden
-from pysprings.full_model.run_record import RunRecord
+from pysprings.core.words import sudden
+from pysprings.full_model.run_record import RunRecord, significant
 from pysprings.results.parts import load_sizes
 from pysprings.scene.defaults import defaulted_text
 from pysprings.scene.design_load import USUAL_TILT
@@ -91,17 +91,11 @@ def _loads(run: Run) -> str:
         if best is not None:
             at = int(np.abs(best[1][load].values).argmax())
             u, turn, value = (float(best[1][name][at]) for name in ("u", "rotation", load))
-            u, turn = _to_rounding(u, turn, length)
+            (u,), (turn,) = significant((u,), (turn,), length)
             parts.append(
                 f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
             )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
-
-
-def _to_rounding(u: float, turn: float, length: float) -> tuple[float, float]:
-    """Return u [m] and a rotation [rad], 0 where it is none beside the other one, over a length [m]."""
-    least = SOLVED * max(abs(u), abs(turn) * length)
-    return (u if abs(u) > least else 0.0), (turn if abs(turn) * length > least else 0.0)
 
 
 def _off_plane(run: Run) -> str:
@@ -117,10 +111,9 @@ def _off_plane(run: Run) -> str:
             end = {each: float(states[each][max(count - 1, 0)]) for each in path.end}
             where = " before cavitation"
         for first, second, scale in _SIX if "u_x" in end else ():
-            sizes = [abs(end[each]) for each in first[0]], [abs(end[each]) for each in second[0]]
-            least = SOLVED * max(*sizes[0], *(each * length**scale for each in sizes[1]))
-            for (names, unit, factor), small in ((first, least), (second, least / length**scale)):
-                shown = [f"{each} {factor * end[each]:.3g}" for each in names if abs(end[each]) > small]
+            kept = significant([end[each] for each in first[0]], [end[each] for each in second[0]], length**scale)
+            for (names, unit, factor), values in zip((first, second), kept, strict=True):
+                shown = [f"{each} {factor * value:.3g}" for each, value in zip(names, values, strict=True) if value]
                 parts += [f"{', '.join(shown)} {unit}"] if shown else []
         texts += [f"{name}{where}: {'; '.join(parts)}"] if parts else []
     return " | ".join(texts)
@@ -226,7 +219,7 @@ def _range(run: Run) -> str:
     if not calibrated:
         return "no lateral path was calibrated"
     u, turn = (max(float(np.abs(each[name]).max()) for each in calibrated) for name in ("u", "rotation"))
-    u, turn = _to_rounding(u, turn, run.scene.caisson.skirt_length)
+    (u,), (turn,) = significant((u,), (turn,), run.scene.caisson.skirt_length)
     fan = _is_fan(run)
     kind = "load heights of its rays" if fan else f"the load height of path {_lateral(run)[0][0]} only"
     loading = "monotonic loading" + ", but for springs with memory" * any(
