@@ -61,9 +61,9 @@ ORDERS = {
 # edge effect covers a skirt below SHORT D, where IN_SHORT counts.
 SHORT = 0.5
 UNSURE = {
-    "sand": {LOAD: 0.6, VERTICAL: 0.35, OTHER: 0.4, PY: 1.0},
-    "sand by density": {LOAD: 1.0, VERTICAL: 0.35, OTHER: 0.4, PY: 1.0},
-    "clay": {LOAD: 0.35, VERTICAL: 0.35, OTHER: 0.4, PY: 1.0},
+    "sand": {LOAD: 0.6, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
+    "sand by density": {LOAD: 1.0, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
+    "clay": {LOAD: 0.35, VERTICAL: 0.35, OTHER: 0.4, PY: 0.9},
 }
 IN_SHORT = {
     "sand": {LOAD: 0.85, PY: 1.4},
