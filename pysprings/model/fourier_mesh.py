@@ -38,7 +38,7 @@ _SAND = {
 }
 _CLAY = {
     "coarse": SectionCounts(plug=5, outer=7, tip=1, skirt=8, below=6, wall=0.02, mudline=0.15, toe=0.02, harmonics=3),
-    "medium": SectionCounts(plug=6, outer=10, tip=1, skirt=9, below=8, wall=0.01, mudline=0.12, toe=0.01, harmonics=3),
+    "medium": SectionCounts(plug=6, outer=10, tip=1, skirt=11, below=8, wall=0.01, mudline=0.12, toe=0.01, harmonics=3),
     "paper": SectionCounts(plug=7, outer=12, tip=1, skirt=11, below=9, wall=0.007, mudline=0.1, toe=0.007, harmonics=3),
     "fine": SectionCounts(plug=9, outer=15, tip=1, skirt=13, below=12, wall=0.004, mudline=0.1, toe=0.004, harmonics=5),
 }
