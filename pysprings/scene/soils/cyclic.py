@@ -91,7 +91,9 @@ class Cyclic:
             return float(self.cycles or 0.0), 0.0
         if self.utilisation <= self.average or max(share for _, share in self.parcels) != 1.0:
             raise ValueError("parcels: utilisation must be above average, and the largest load/largest 1")
-        strain, number, left, most = 0.0, 0.0, 0.0, max(row[0] for row in self.contours)
+        strain, number, left = 0.0, 0.0, 0.0
+        first, most = (extreme(row[0] for row in self.contours) for extreme in (min, max))
+        outside = f"N is outside the contours of {self.name}, {first:g} to {most:g}"
         sums = dict.fromkeys(sorted(share for _, share in self.parcels), 0.0)
         for cycles, share in self.parcels:
             sums[share] += cycles
@@ -101,12 +103,17 @@ class Cyclic:
                 left += cycles
                 continue
             number = self._begins(strain, stress) + cycles
+            of = f"parcels: the row of load/largest {share:g}, tau/su {stress:.3g} after {number:.4g} cycles"
+            if number > most:
+                raise ValueError(f"{of}: {outside}")
             own = self._strain(number, stress)
             left, strain = left + (cycles if own == 0.0 else 0.0), max(strain, own)
             if strain == math.inf:
-                raise ValueError(f"parcels: tau/su {stress:.3g} after {number:.4g} cycles is beyond the last contour")
+                raise ValueError(f"{of}: strain is beyond the last contour of {self.name}")
         if strain == 0.0:
-            raise ValueError("parcels: none reaches the first strain of the contours")
+            raise ValueError(f"parcels: none reaches the first strain of the contours of {self.name}")
+        if number < first:
+            raise ValueError(f"{of}: {outside}")
         return number, left
 
     def _strain(self, number: float, stress: float) -> float:

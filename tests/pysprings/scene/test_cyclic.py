@@ -203,11 +203,15 @@ def test_contours_that_are_no_backbone_are_refused(tmp_path, points, words) -> N
 
 def test_parcels_that_leave_the_contours_are_refused(tmp_path) -> None:
     (tmp_path / "storm.csv").write_text("N,load/largest [%]\n5000,40\n30,100\n")
-    with pytest.raises(UserInputError, match=r"parcels: tau/su 0.8 after 30 cycles is beyond the last contour"):
+    with pytest.raises(UserInputError, match=r"cyclic: parcels: the row of load/largest 1, tau/su 0\.8 after 30 cycles: str"):
         scene(tmp_path, ("cycles = 10", STORM), MINER)
     (tmp_path / "storm.csv").write_text("N,load/largest [%]\n5000,80\n3,100\n")
-    with pytest.raises(UserInputError, match="cycles: 5000 is outside the contours, 1 to 1000"):
+    words = r"row of load/largest 0\.8, .* after 5000 cycles: N is outside the contours of drammen.csv, 1 to 1000"
+    with pytest.raises(UserInputError, match=words):
         scene(tmp_path, ("cycles = 10", STORM), MINER)
+    (tmp_path / "storm.csv").write_text("N,load/largest [%]\n0.5,100\n")
+    with pytest.raises(UserInputError, match=r"row of load/largest 1, .* after 0\.5 cycles: N is outside the contours"):
+        scene(tmp_path, ("cycles = 10", STORM.replace("0.8", "0.7")), MINER)
     (tmp_path / "storm.csv").write_text("N,load/largest\n5,1.5\n")
     with pytest.raises(UserInputError, match=r"storm.csv:2: load/largest: 1.5 is not in \(0, 1\]"):
         scene(tmp_path, ("cycles = 10", STORM), MINER)
