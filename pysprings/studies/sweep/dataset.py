@@ -38,7 +38,7 @@ from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import LIMIT_LOAD, MESH_ERROR
 from pysprings.springs.springs import Springs
-from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, split
+from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, Plan, split
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -201,10 +201,7 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
     axes = axis_names(data)
     data = data.sortby([name for name in axes if name in data.dims])
     known = scalars(data)
-    if quantity not in known:
-        raise refused(
-            "--picture", f"no quantity '{quantity}'{suggestion(quantity, list(known))}; there are: {', '.join(known)}"
-        )
+    _refuse_unknown(quantity, list(known))
     if not over and not axes and (bars := _bars(data, known[quantity])):
         if np.isnan(bars[0]):
             raise refused("--picture", f"'{quantity}' has no answer with all ranges at best, which bars begin at")
@@ -226,6 +223,20 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
         plot.set_xlabel(_label(x))
         plot.set_title("\n".join(filter(None, (str(data.attrs["title"]), others))), fontsize=9)
     return figure
+
+
+def check_pictures(plan: Plan, quantities: Sequence[str]) -> None:
+    """Refuse quantities that study.nc of a plan will not have, before its cases run."""
+    if quantities:
+        of_paths = [f"{name}:{path}" for name in BY_PATH for path in _path_names(plan, plan.cases)]
+        for each in quantities:
+            _refuse_unknown(each, [*of_paths, *STIFFNESSES, *NUMBERS])
+
+
+def _refuse_unknown(quantity: str, known: Sequence[str]) -> None:
+    if quantity not in known:
+        text = f"no quantity '{quantity}'{suggestion(quantity, known)}; there are: {', '.join(known)}"
+        raise refused("--picture", text)
 
 
 def _bars(data: xr.Dataset, values: xr.DataArray) -> tuple[float, list[tuple[str, float, float]]] | None:
@@ -345,7 +356,8 @@ NAMES = (
 
 def write_study(study: Study) -> Path | None:
     """Write study.nc from the folders of the cases, one at a time; None, and no earlier one, where none has springs."""
-    paths, target = _path_names(study), study.out / FILE
+    usable = [case for case in study.plan.cases if study.states[case.number].status in (DONE, SHORT)]
+    paths, target = _path_names(study.plan, usable), study.out / FILE
     if not paths:
         for each in (target, study.out / CSV):
             each.unlink(missing_ok=True)
@@ -355,10 +367,9 @@ def write_study(study: Study) -> Path | None:
     return target
 
 
-def _path_names(study: Study) -> tuple[str, ...]:
-    """Return the names of the paths of all cases that have springs."""
-    usable = (case for case in study.plan.cases if study.states[case.number].status in (DONE, SHORT))
-    scenes = (study.plan.scene_of(case) for case in usable)
+def _path_names(plan: Plan, cases: Iterable[Case]) -> tuple[str, ...]:
+    """Return the names of the paths of cases."""
+    scenes = (plan.scene_of(case) for case in cases)
     return tuple(dict.fromkeys(path.name for scene in scenes for path in scene.load_paths))
 
 

@@ -259,11 +259,17 @@ def test_a_study_without_springs_leaves_no_dataset_of_an_earlier_one(ended, tmp_
     assert list(tmp_path.iterdir()) == []
 
 
+def test_pictures_of_all_that_a_dataset_has_are_accepted_before_its_cases_run(ended):
+    with dataset.open_study(ended.out) as data:
+        dataset.check_pictures(ended.plan, list(dataset.scalars(data)))
+
+
 def test_what_cannot_be_written_is_refused_before_a_case_runs(tmp_path):
     make(tmp_path)
     for options, words in (
         (("--table", "all.nc"), "ends in .csv or .xlsx"), (("--over", "mu"), "give --picture, too"),
         (("--picture", "K_H", "--over", "mu,nu"), "no axis 'nu'; there are: young_modulus, mu"),
+        (("--picture", "K_H", "--picture", "H_largest:pul"), "no quantity 'H_largest:pul' (did you mean 'H_largest:pu"),
     ):  # fmt: skip
         refused = command("sweep", tmp_path / "study.toml", "--out", tmp_path / "out", *options)
         assert refused.code == 2 and words in refused.err and not (tmp_path / "out").exists()
