@@ -45,6 +45,7 @@ _ERRORS = {
 }  # fmt: skip
 
 
+_ALONE = (("H", "kN", "u", "mm"), ("M", "kN m", "rotation", "mrad"))  # of a pure translation, of a pure rotation
 _PREDICT = ("fan", "full", "py")  # spring sets in the order in which `predict` takes them
 # attributes of springs on their scene, and the words before them
 _OF_SCENE = {"defaulted": "by default, not given in the scene", "remarks": "remarks on the scene"}
@@ -89,7 +90,7 @@ def header(
         f"units: {units}",
         f"drainage: {given.drainage}; rate: {rate or 'none: the springs do not depend on it'}; "
         f"vertical load at rest: {given.rest_load / 1e3:.6g} kN",
-        *([] if V is None else [f"lateral springs at V = {1e-3 * V:.6g} kN"]),
+        *([] if at is None else _by_load(at)),
         *(f"{words}: {attrs[name]}" for name, words in _OF_SCENE.items() if attrs.get(name)),
         use,
         *([_STEEL] if attrs.get("caisson_behaviour") == "elastic" else []),
@@ -109,6 +110,25 @@ def of_atlas(springs: Springs) -> Iterator[str]:
         parts = ", ".join(f"{name} {100.0 * float(value):.2g} %" for name, value in known.items())
         yield f"standard deviation of the initial stiffness: {parts}; of loads and motions: see `pysprings predict`"
         yield f"atlas: {springs.attrs.get('atlas', 'not recorded')}"
+
+
+def _by_load(at: Springs) -> Iterator[str]:
+    """Yield V of springs at one of several vertical loads, and what those at the others carry at equal motion."""
+    V, every = at.path().load, at.whole or at
+    others = [each.V for each in every.load_sets if not same_load(each.V, V)]
+    yield f"lateral springs at V = {1e-3 * V:.6g} kN" + ": at another V they are not known" * (not others)
+    for other in others:
+        there, parts = every.at_load(other), []
+        pure = zip(at.pure_paths or (), there.pure_paths or (), _ALONE, strict=False)
+        for one, two, (load, unit, motion, small) in pure:
+            paths = at.paths[one], there.paths[two]
+            reach = min(float(np.abs(path[motion]).max()) for path in paths)
+            own, their = (1e-3 * np.interp(reach, np.abs(path[motion]), np.abs(path[load])) for path in paths)
+            at_reach = f"{1e3 * reach:.4g} {small} of {motion} alone"
+            parts.append(
+                f"{load} {their:.4g} {unit} in place of {own:.4g} ({100 * (their / own - 1):+.1f} %) at {at_reach}"
+            )
+        yield "; ".join([f"springs at V = {1e-3 * other:.6g} kN", *parts])
 
 
 def _mesh_error(springs: Springs) -> str:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The OpenFAST export: labels and matrix read back by the rules of the program, and SoilDyn's own driver."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -119,6 +120,26 @@ def test_range_and_errors_are_those_of_the_springs_in_the_file(
     assert ("1 held-back paths" in errors) == (at == loaded.REST)
     assert ("displacement at equal load" in errors) == ("that up to half of the largest load" in errors)
     assert any(f"fan of {len(own)} rays" in line for line in lines)
+
+
+def test_the_head_has_what_springs_at_other_vertical_loads_carry(tmp_path: Path) -> None:
+    """Of ray_0, H at the end of both, and of the rotation M; springs at one load have no other."""
+    export(Source(loaded.springs().tree), "openfast", tmp_path / "several")
+    head = (tmp_path / "several" / "caisson.txt").read_text()
+    rest, heavy = (loaded.springs().at(V=V) for V in (loaded.REST, loaded.HEAVY))
+    (line,) = re.findall(rf"! springs at V = {1e-3 * loaded.HEAVY:g} kN; (.*)\n", head)
+    found = re.findall(r"([HM]) (\S+) kN(?: m)? in place of (\S+) \((\S+) %\) at (\S+) (?:mm|mrad) of", line)
+    assert [row[0] for row in found] == ["H", "M"]
+    for (load, *numbers), one, two in zip(found, rest.pure_paths, heavy.pure_paths, strict=True):
+        name, paths = "u" if load == "H" else "rotation", (heavy.paths[two], rest.paths[one])
+        motion = [np.abs(path[name]) for path in paths]
+        end = min(each.max() for each in motion)
+        their, own = (np.interp(end, x, np.abs(path[load])) for x, path in zip(motion, paths, strict=True))
+        assert [float(each) for each in numbers] == pytest.approx(
+            [1e-3 * their, 1e-3 * own, 100.0 * (their / own - 1.0), 1e3 * end], rel=2e-3, abs=0.06
+        )
+    export(vertical_springs(), "openfast", tmp_path / "one")
+    assert "lateral springs at V = 2000 kN: at another V they are not" in (tmp_path / "one/caisson.txt").read_text()
 
 
 def test_torsion_that_no_full_model_has_computed_is_named(tmp_path: Path) -> None:

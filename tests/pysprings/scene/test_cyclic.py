@@ -203,7 +203,9 @@ def test_contours_that_are_no_backbone_are_refused(tmp_path, points, words) -> N
 
 def test_parcels_that_leave_the_contours_are_refused(tmp_path) -> None:
     (tmp_path / "storm.csv").write_text("N,load/largest [%]\n5000,40\n30,100\n")
-    with pytest.raises(UserInputError, match=r"cyclic: parcels: the row of load/largest 1, tau/su 0\.8 after 30 cycles: str"):
+    with pytest.raises(
+        UserInputError, match=r"cyclic: parcels: the row of load/largest 1, tau/su 0\.8 after 30 cycles: str"
+    ):
         scene(tmp_path, ("cycles = 10", STORM), MINER)
     (tmp_path / "storm.csv").write_text("N,load/largest [%]\n5000,80\n3,100\n")
     words = r"row of load/largest 0\.8, .* after 5000 cycles: N is outside the contours of drammen.csv, 1 to 1000"

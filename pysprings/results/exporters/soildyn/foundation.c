@@ -92,9 +92,11 @@ static int evaluate(int task, const double *P, double *state, const double *d, d
   if (P[P_WAY] > 0.0 && state[S_WAY] > P[P_WAY] * (1.0 + SLACK) && is_new(state, WARNED_WAY))
     say("warning", "springs", 0,
         "motions add up to more than the paths of the calibration: settlement is extrapolated from here on");
-  if (answer.off_load && is_new(state, WARNED_LOAD))
-    say("warning", "springs", 0,
-        "the vertical load is not that of the lateral springs, or near its capacity: H and M are those at theirs");
+  if (answer.off_load && is_new(state, WARNED_LOAD)) {
+    sprintf(text, "the vertical load, %.4g kN, is not that of the lateral springs, %.4g kN, or near its capacity: "
+                  "H and M are those at theirs", 1e-3 * answer.V, 1e-3 * answer.own_V);
+    say("warning", "springs", 0, text);
+  }
   if (answer.off_path && is_new(state, WARNED_PATH))
     say("warning", "springs", 0,
         "the motion is between load paths more than 60 degrees apart in (u, rotation L): reactions there are not calibrated");

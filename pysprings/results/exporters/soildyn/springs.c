@@ -268,6 +268,8 @@ static double vertical(const double *P, double w, const Loads *lateral, Answer *
     V = vertical_load(P, change, &out->used_vertical, &failed);
     elastic = !branch(P, change);
   }
+  out->V = V;
+  out->own_V = lateral->V;
   out->off_load = !is_covered(P, V, lateral->V);
   if (failed) out->beyond = "the vertical path of the full model stopped before this displacement";
   if (elastic && (V < P[P_LOW] - SLACK * fabs(P[P_LOW]) || V > P[P_HIGH] + SLACK * fabs(P[P_HIGH])))

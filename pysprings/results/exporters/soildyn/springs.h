@@ -32,7 +32,7 @@ enum { S_USED, S_USED_VERTICAL, S_WARNED, S_OFF_LOAD, S_OFF_PATH, S_WAY, S_MOTIO
 
 /* Forces on the soil; shares of the calibrated ranges; whether V is not covered by the lateral springs, and whether the motion
  * is between rays too far apart; what the springs have no answer for (NULL: nothing). */
-typedef struct { double force[6], used, used_vertical; int off_load, off_path; const char *beyond; } Answer;
+typedef struct { double force[6], used, used_vertical, V, own_V; int off_load, off_path; const char *beyond; } Answer;
 
 /* A spring file that is read: its name, the present line, and why it was refused. */
 typedef struct { FILE *file; char name[NAME + 1], text[LINE]; int line; const char *why; } Reader;
