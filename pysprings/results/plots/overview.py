@@ -19,6 +19,7 @@ from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MARGIN, before_cavitation
 
 SMALLEST = 1e-9  # m or rad: a smaller motion is none
+_ROW = 0.06  # share of the height of a panel for a line of text
 
 
 class LateralPath(NamedTuple):
@@ -134,12 +135,14 @@ def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] 
     draw_paths(axes, paths, ("rotation", style.DEG), (load, style.MN), _unsolved(tree)[load])
     largest = max((float(path["rotation"].max()) * style.DEG for _, path, _ in paths), default=0.0)
     shown = [limit for limit in limits if limit <= 1.5 * largest]
-    for limit in shown:
+    end = 1.05 * max([largest, *shown]) or 1.0
+    for k, limit in enumerate(shown):  # a line of text each, above all curves
         axes.axvline(limit, color=style.INK, linewidth=1.0, linestyle=":", gid="limit", label="_limit")
-        axes.annotate(f"{limit:g}°", (limit, 1.0), (-2, -2), xycoords=("data", "axes fraction"),
-                      textcoords="offset points", va="top", ha="right", fontsize=8)  # fmt: skip
-    axes.set_xlim(0.0, 1.05 * max([largest, *shown]) or 1.0)
-    axes.set_ylim(bottom=0.0)
+        side, align = (-2, "right") if limit > 0.5 * end else (2, "left")
+        axes.annotate(f"{limit:g}°", (limit, 1.0), (side, -2 - 10 * k), xycoords=("data", "axes fraction"),
+                      textcoords="offset points", va="top", ha=align, fontsize=8)  # fmt: skip
+    axes.set_xlim(0.0, end)
+    axes.set_ylim(0.0, (1.0 + _ROW * len(shown)) * axes.get_ylim()[1])
     axes.set_xlabel("size of the rotation [deg]")
 
 

@@ -850,3 +850,20 @@ def test_a_path_that_turns_back_has_the_secants_of_its_largest_motion_so_far() -
     path["u"][:], path["H"][:] = [0.0, 2e-3, -1e-3, -2.5e-3, 1e-3], [0.0, 4e5, -3e5, -5e5, 4e5]
     (line, *_) = plots.secant_stiffness(tree).axes[0].get_lines()
     assert line.get_ydata().tolist() == pytest.approx([200.0, 200.0])
+
+
+@pytest.mark.parametrize("reach", [0.35, 0.6, 4.5, 9.0])
+def test_the_names_of_limits_of_tilt_are_free_of_each_other_and_of_the_curves(reach: float) -> None:
+    """Limits are close to each other, and to the axis of loads, where paths turn by several degrees."""
+    tree = synthetic.make_result((PULL,))
+    path = tree["paths/pull"]
+    path["rotation"].values[:] *= np.radians(reach) / np.abs(path["rotation"].values).max()
+    figure = plots.tilt(tree)
+    figure.canvas.draw()
+    for axes in figure.axes:
+        boxes = [text.get_window_extent() for text in axes.texts]
+        assert len(boxes) == 2
+        assert not boxes[0].overlaps(boxes[1])
+        (line,) = (line for line in axes.get_lines() if line.get_label().startswith("pull"))
+        inside = axes.transData.transform(np.column_stack(line.get_data()))
+        assert all(box.y0 > inside[:, 1].max() and box.x0 > axes.bbox.x0 and box.x1 < axes.bbox.x1 for box in boxes)
