@@ -140,7 +140,8 @@ def draw_tilt(axes: Axes, tree: xr.DataTree, load: str, limits: Iterable[float] 
         axes.axvline(limit, color=style.INK, linewidth=1.0, linestyle=":", gid="limit", label="_limit")
         side, align = (-2, "right") if limit > 0.5 * end else (2, "left")
         axes.annotate(f"{limit:g}°", (limit, 1.0), (side, -2 - 10 * k), xycoords=("data", "axes fraction"),
-                      textcoords="offset points", va="top", ha=align, fontsize=8)  # fmt: skip
+                      textcoords="offset points", va="top", ha=align, fontsize=8,
+                      bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})  # fmt: skip
     axes.set_xlim(0.0, end)
     axes.set_ylim(0.0, (1.0 + _ROW * len(shown)) * axes.get_ylim()[1])
     axes.set_xlabel("size of the rotation [deg]")
