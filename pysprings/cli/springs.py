@@ -46,8 +46,12 @@ def springs(
         if out is not None and out.suffix.lower() != f".{chosen}":
             refuse("--out", f"the name of the file must end with .{chosen}", out)
         chosen, options = use, asked
+    from pysprings.springs.path import space_paths_of
+
     chosen = "wide" if wide else chosen
     source = _export_source(result, EXPORTERS.find(chosen, "--for"))
+    if chosen in ("csv", "wide") and (lost := space_paths_of(source.springs)):
+        to_stderr(f"note: {', '.join(lost)} leave the plane of one load and are not in this table: --json has them")
     if out is None:
         print(exporters.text(source, chosen, **options), end="")
     else:

@@ -206,6 +206,8 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
             f"{missing['V']:.1e} (V). Beyond this range every use is an extrapolation.{ended}"
         )
     height = f"load {path.arm:g} m above mudline, " if np.isfinite(path.arm) else ""
+    if direction := float(path.attrs.get("direction_rad", 0.0)):
+        height += f"in its own plane, {np.degrees(direction):.4g} deg from x towards y, "
     rate = f", {1e3 * path.rate:.4g} mm/s of rho" if path.rate and "coupled" in drainage.split(", ") else ""
     return (
         f"{drainage} {path.kind}, {height}"

@@ -62,17 +62,26 @@ def load_displacement(result: xr.DataTree) -> pd.DataFrame:
 
     Where a path leaves the plane of x, all have the columns of six degrees of freedom.
     """
-    paths, columns = {name: each.recorded for name, each in paths_of(result).items()}, LOAD_DISPLACEMENT
-    space = {name: each.recorded for name, each in space_paths_of(result).items()}
-    if space or any(path.attrs.get("direction_rad") for path in paths.values()):
+    paths, columns = {name: _timed(each.recorded) for name, each in paths_of(result).items()}, LOAD_DISPLACEMENT
+    if leaves_plane(result):
         paths, columns = {name: _turned(path) for name, path in paths.items()}, IN_SPACE
-        paths |= space
+        paths |= {name: each.recorded for name, each in space_paths_of(result).items()}
     frames = []
     for name, path in paths.items():
         n = path.sizes["step"]
         head = {"path": [name] * n, "step": np.arange(n)}
         frames.append(pd.DataFrame(head | {column: path[key].values for column, key in columns.items()}))
     return pd.concat(frames, ignore_index=True)
+
+
+def leaves_plane(tree: xr.DataTree) -> bool:
+    """Return whether a path of a result or of springs leaves the plane of x, or has another one."""
+    return bool(space_paths_of(tree)) or any(each.attrs.get("direction_rad") for each in paths_of(tree).values())
+
+
+def _timed(path: xr.Dataset) -> xr.Dataset:
+    """Return a path with its time; that of springs without one is not known."""
+    return path if "time" in path else path.assign(time=np.nan * path["w"])
 
 
 def _turned(path: xr.Dataset) -> xr.Dataset:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Excel workbook of a spring set for design spreadsheets: kN, m, mm, mrad, with charts.
 
-Sheets: About, charts, p-y, m-theta, t-z (of vertical paths), base, lid, load-displacement, stiffness 6x6, tidy (a row
-for each path, step and depth, for pivots). Data sheets hold all paths below each other: columns path and step, then
-the values; every heading has its unit and a filter.
+Sheets: About, charts, p-y, m-theta, t-z (of vertical paths), base, lid, load-displacement, six degrees (where a path
+leaves the plane of x), stiffness 6x6, tidy (a row for each path, step and depth, for pivots). Data sheets hold all
+paths below each other: columns path and step, then the values; every heading has its unit and a filter.
 """
 
 import os
@@ -28,7 +28,7 @@ from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import AT_REST, NO_TORSION, stiffness_six
 from pysprings.results.exporters.base import Exported, Options, Source, Target
 from pysprings.results.exporters.header import error_of_row, of_atlas, range_of_path
-from pysprings.results.exporters.tables import with_net
+from pysprings.results.exporters.tables import leaves_plane, load_displacement, with_net
 from pysprings.results.sheets import HEAD, PLAIN_CELLS
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
@@ -133,12 +133,23 @@ def about_lines(
     yield "title", "Range of validity", ""
     yield from (("text", "fan", words) for words in _fan(given))
     yield from (("text", f"path {name}", range_of_path(given.drainage, path)) for name, path in given.paths.items())
+    yield from (
+        ("text", f"path {path.name}", f"{path.kind}, {path.role}, {path.attrs['status']}: {_OUT_OF_PLANE}")
+        for path in given.space.values()
+    )
     yield "text", "", ""
     yield "title", "Error of a rigid body on these springs", ""
     yield from (
         ("text", f"{row['path']}, {row['springs']}", error_of_row(row, given.reference))
         for _, row in comparison.iterrows()
     )
+
+
+_SIX_DEGREES = "six degrees"  # sheet
+_OUT_OF_PLANE = (
+    f"it leaves the plane of one load; motions and loads are in sheet '{_SIX_DEGREES}', reactions by depth (p_x, p_y, "
+    "t, torque) in springs.nc and its JSON, group 'space', not in these sheets"
+)
 
 
 def _fan(springs: Springs) -> Iterator[str]:
@@ -311,6 +322,8 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         for part, name in (("tip", "base"), ("lid", "lid")):
             _end(book, book.sheet(name), part)
         _load(book, book.sheet("load-displacement"), source)
+        if leaves_plane(source.springs):
+            _in_space(book, book.sheet(_SIX_DEGREES), load_displacement(source.springs))
         _stiffness(book, book.sheet("stiffness 6x6"))
         add_charts(book, charts, spring_sets(source.springs))
         _tidy(book, book.sheet("tidy"))
@@ -392,6 +405,23 @@ def _load(book: Book, sheet: Any, source: Source) -> None:
                 parts.append(out)
             columns.append(Cells(f"macro-model, {spring_set} springs: {heading}", parts))
     book.fill(sheet, names, columns)
+
+
+_SMALL = {"m": ("mm", 1e3), "rad": ("mrad", 1e3), "N": ("kN", 1e-3), "Nm": ("kN m", 1e-3), "s": ("s", 1.0)}
+
+
+def _in_space(book: Book, sheet: Any, frame: pd.DataFrame) -> None:
+    """Write motions and loads of all paths by step, z up, rotations right-handed, one heading row."""
+    for col, name in enumerate(frame):
+        quantity, _, unit = str(name).rpartition("_")
+        unit, factor = _SMALL.get(unit, ("", 1.0))
+        sheet.write(0, col, f"{quantity} [{unit}]" if unit else str(name), book.head)
+        if name == "path":
+            sheet.write_column(1, col, frame[name])
+        else:
+            write_numbers(sheet, 1, col, factor * frame[name], book.number if unit else None)
+    sheet.set_column(0, 0, 14)
+    finish(sheet, 1, len(frame), frame.shape[1], 2)
 
 
 _TIDY = (

@@ -16,9 +16,11 @@ from pysprings.results.exporters.base import Source
 from pysprings.results.exporters.header import header, range_of_path
 from pysprings.results.exporters.xlsx import plain_names
 from pysprings.results.report.load_cases import spring_tables
+from pysprings.springs.checks import save_springs
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import reslice
 from tests.support import space_springs, written
+from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_result, make_springs
 
@@ -223,6 +225,27 @@ def test_workbook_of_a_fan(tmp_path):
     assert "macro-model, fan springs: H [kN]" in headings
     assert {f"p_5.{name}" for name in ("ray_0", "ray_1", "ray_2", "pull_8")} <= set(book.defined_names)
     assert len(book["charts"]._charts) == 4 * 5
+
+
+def test_paths_out_of_one_plane_are_in_the_workbook_and_named_beside_tables(tmp_path):
+    """Motions and loads in six degrees of freedom; what has them by depth is named. A table of p-y has none of them."""
+    tree = space_springs.calibrated().copy(deep=True)
+    tree["paths/ray_0"].attrs["direction_rad"] = np.radians(30.0)
+    book = openpyxl.load_workbook(written.workbook(tmp_path / "space.xlsx", tree))
+    head, *rows = book["six degrees"].values
+    found, own = pd.DataFrame(rows, columns=head).set_index("path"), tree["space/circle"]
+    for column, name, factor in (("u_y [mm]", "u_y", 1e3), ("rot_x [mrad]", "rot_x", 1e3), ("M_x [kN m]", "M_x", 1e-3)):
+        np.testing.assert_allclose(found.loc["circle", column].astype(float), factor * own[name].values, rtol=1e-9)
+    ray = tree["paths/ray_0"]
+    np.testing.assert_allclose(found.loc["ray_0", "H_y [kN]"].astype(float), 0.5e-3 * ray["H"].values, rtol=1e-9)
+    about = {row[0]: str(row[1]) for row in book["About"].values if row and row[0]}
+    assert about["path circle"].startswith("circle, memory") and "in springs.nc and its JSON" in about["path circle"]
+    assert "in its own plane, 30 deg from x towards y" in about["path ray_0"]
+    save_springs(tree, tmp_path / "springs.nc")
+    for options in ((), ("--wide",)):
+        done = command("springs", tmp_path / "springs.nc", *options)
+        assert "note: circle, twist, elbow leave the plane" in done.err and "circle" not in done.out
+    assert command("springs", tmp_path / "springs.nc", "--json").err == ""
 
 
 def test_charts_point_at_the_data(folder):
