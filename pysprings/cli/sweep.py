@@ -67,7 +67,7 @@ def sweep(
     known = [axis.name for axis in plan.axes]
     if missing := sorted({*_axes(over)} - {*known}):
         refuse("--over", f"no axis '{missing[0]}'; there are: {', '.join(known)}")
-    dataset.check_pictures(plan, picture or [])
+    dataset.check_pictures(plan, picture or [], _axes(over))
     say = (lambda _: None) if quiet else to_stderr
     if plan_only:
         ended = studies.planned(plan, folder, again)

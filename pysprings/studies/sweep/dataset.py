@@ -207,8 +207,7 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
             raise refused("--picture", f"'{quantity}' has no answer with all ranges at best, which bars begin at")
         return _tornado(data, f"{quantity} [{known[quantity].attrs.get('units', '1')}]", *bars)
     chosen = list(over) or axes[:2]
-    if not chosen or len(chosen) > 2 or not set(chosen) <= set(axes):
-        raise refused("--over", f"expected one axis or two of: {', '.join(axes) or 'none with numbers'}")
+    _refuse_axes(chosen, axes)
     values, others = _on(known[quantity], chosen, data)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.6), layout="constrained")
@@ -225,8 +224,12 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
     return figure
 
 
-def check_pictures(plan: Plan, quantities: Sequence[str]) -> None:
-    """Refuse quantities that study.nc of a plan will not have, before its cases run."""
+def check_pictures(plan: Plan, quantities: Sequence[str], over: Sequence[str] = ()) -> None:
+    """Refuse quantities and axes of pictures that study.nc of a plan will not have, before its cases run."""
+    if over:
+        values = zip(*(case.values for case in plan.cases), strict=True)
+        texts = [any(isinstance(split(each)[0], str) for each in own) for own in values]
+        _refuse_axes(over, [axis.name for axis, words in zip(plan.axes, texts, strict=True) if not words])
     if quantities:
         of_paths = [f"{name}:{path}" for name in BY_PATH for path in _path_names(plan, plan.cases)]
         for each in quantities:
@@ -237,6 +240,11 @@ def _refuse_unknown(quantity: str, known: Sequence[str]) -> None:
     if quantity not in known:
         text = f"no quantity '{quantity}'{suggestion(quantity, known)}; there are: {', '.join(known)}"
         raise refused("--picture", text)
+
+
+def _refuse_axes(chosen: Sequence[str], axes: Sequence[str]) -> None:
+    if not chosen or len(chosen) > 2 or not set(chosen) <= set(axes):
+        raise refused("--over", f"expected one axis or two of: {', '.join(axes) or 'none with numbers'}")
 
 
 def _bars(data: xr.Dataset, values: xr.DataArray) -> tuple[float, list[tuple[str, float, float]]] | None:

@@ -269,6 +269,7 @@ def test_what_cannot_be_written_is_refused_before_a_case_runs(tmp_path):
     for options, words in (
         (("--table", "all.nc"), "ends in .csv or .xlsx"), (("--over", "mu"), "give --picture, too"),
         (("--picture", "K_H", "--over", "mu,nu"), "no axis 'nu'; there are: young_modulus, mu"),
+        (("--picture", "K_H", "--over", "mu,mu,mu"), "--over: expected one axis or two of: young_modulus, mu"),
         (("--picture", "K_H", "--picture", "H_largest:pul"), "no quantity 'H_largest:pul' (did you mean 'H_largest:pu"),
     ):  # fmt: skip
         refused = command("sweep", tmp_path / "study.toml", "--out", tmp_path / "out", *options)
