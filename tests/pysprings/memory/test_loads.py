@@ -224,3 +224,10 @@ def test_the_rate_is_that_of_the_rays_that_turn_back() -> None:
     springs = Springs.of(xr.DataTree.from_dict(fast, name="springs"))
     fast["/memory"] = loaded.invented(springs.at(), 1)
     assert build_memory(Springs.of(xr.DataTree.from_dict(fast, name="springs")).at()).rate == pytest.approx(1e-5)
+
+
+def test_what_a_solver_leaves_of_no_load_has_no_capacity() -> None:
+    """The load goes back to zero, of which some part of 1 N is left, in any direction."""
+    answer = sequence(loaded.springs(), np.array([[1e5, 1e5], [0.0, 0.0]]), springs_kind="memory")
+    assert np.hypot(answer["H"][1], answer["M"][1] / LENGTH) > 0.0 and answer["utilisation"][1] == 0.0
+    assert not {"capacity_H_N", "capacity_M_Nm", "capacity_kind", "capacity_from"} & set(answer.attrs)
