@@ -176,7 +176,7 @@ def _print(outcome: Outcome) -> None:
     print(f"\nlargest stress, stress at the end: {outcome.stress}")
     print(f"values of layer {quoted(stratum.name)} at {request.depth:g} m below mudline (--depth)")
     if not (stratum.exponent or stratum.total_stress):
-        print("\nG is that of the layer at every stress: no key makes it follow the stress")
+        print("\nG does not follow the stress in a test: no key makes it do so")
     fit = outcome.fit
     if fit is None:
         return

@@ -62,7 +62,7 @@ def test_a_stiffness_that_does_not_follow_the_stress_is_named(scene: Path, tmp_p
         "--out",
         str(tmp_path / "o"),
     )
-    note = "G is that of the layer at every stress"
+    note = "G does not follow the stress in a test"
     assert note in command(*run, "--layer", "sand", "--set", 'soil.layer.sand.young_modulus="40 MPa"').out
     assert "stress at the end: shear stress\n" in command(*run, "--layer", "sand", "--test", "dss").out
     assert note not in command(*run, "--layer", "sand").out and note not in command(*run, "--layer", "clay").out
