@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from pysprings.core.text import percent
-
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
 
@@ -48,7 +46,7 @@ def judged(
     if len(own) < len(JUDGED):
         missed = f"no estimate of load and p-y ({estimate.get('why_not', 'not on these paths')})"
     elif beyond:
-        sizes = " and ".join(f"{JUDGED[name]} {percent(value)}" for name, value in beyond.items())
+        sizes = " and ".join(f"{JUDGED[name]} {value:.3g} %" for name, value in beyond.items())
         where = f" (path {estimate['worst_path']})" if estimate.get("worst_path") else ""
         missed = f"the run's own estimate is {sizes}{where}"
     elif stopped := estimate.get("companion_stopped"):

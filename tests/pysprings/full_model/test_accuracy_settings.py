@@ -480,7 +480,7 @@ def test_differences_without_a_finite_value_give_no_estimate(monkeypatch: pytest
     [
         (4.0, 3.0, {}, None),
         (28.0, 3.0, {}, r"--target-error 5%: the run's own estimate is load 28 % \(path p\)"),
-        (4.0, 6.0, {}, "p-y 6"),
+        (4.0, 5.04, {}, "p-y 5.04 %"),
         (4.0, 3.0, {"p": "apex"}, "the estimate ends where the coarser mesh stopped, on p"),
     ],
 )
