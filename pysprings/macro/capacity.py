@@ -26,7 +26,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Integers, Marks, Texts
-from pysprings.core.loads import NO_LOAD, close_loads, fewest_loads, nearest, same_load
+from pysprings.core.loads import close_loads, fewest_loads, nearest, same_load
 from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END, SOLVED
@@ -97,7 +97,7 @@ def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Ca
     """Return the largest known loads of springs at one vertical load: see `capacities`."""
     plane = loads / [1.0, model.length]
     size = np.hypot(*plane.T)
-    loaded = np.flatnonzero(size > NO_LOAD)  # less is what a solver leaves of zero: it has no direction
+    loaded = np.flatnonzero(size > 0.0)
     out = Capacities(*np.full((3, len(loads)), np.nan), *np.full((2, len(loads)), "", dtype=object))
     if not loaded.size:
         return out
@@ -145,6 +145,8 @@ def _left(model: MacroModel, V: Array, own: Array) -> Array:
 def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     """Return an answer (dimension step) with `utilisation`, and with the capacity along its last load as attributes."""
     loads = np.stack([answer["H"].values, answer["M"].values], axis=1)
+    size = np.hypot(*(loads / [1.0, model.length]).T)
+    loads[size <= SOLVED * size.max(initial=0.0)] = 0.0  # what the solver leaves of no load has no direction
     largest = capacities(model, loads, answer["V"].values if "V" in answer else None)
     known = variables.GROUPS["prediction"]["utilisation"]
     answer = with_bound(model, answer, loads, largest.utilisation)
