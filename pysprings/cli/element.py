@@ -19,7 +19,7 @@ from pysprings.cli.options import (
     option,
     quantity,
 )
-from pysprings.cli.scene import load, print_estimate
+from pysprings.cli.scene import estimate_of, load, print_estimate
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 from pysprings.core.columns import Column, Table, filled
 from pysprings.core.errors import RunIncomplete
@@ -94,8 +94,8 @@ def element(
     outcome = run(Request(stratum, test, at, drainage == "undrained", asked, strain, tests, keys))
     files = write(outcome, folder, formats)
     if as_json:
-        document = {"estimate": loaded.estimate, "depth_m": at, "tests": outcome.rows, "fit": _fit_json(outcome.fit)}
-        print_json(document | {"files": [str(file) for file in files]})
+        document = {"depth_m": at, "tests": outcome.rows, "fit": _fit_json(outcome.fit)}
+        print_json(estimate_of(loaded) | document | {"files": [str(file) for file in files]})
     else:
         _print(outcome)
         print_estimate(loaded)

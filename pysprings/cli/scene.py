@@ -106,14 +106,13 @@ def on_mesh(scene: Scene, preset: str | None) -> Scene:
 def description(file: Path, scene: Scene, about: Mapping[str, Any]) -> dict[str, Any]:
     """Return the document that `pysprings check --json` prints."""
     paths = [{"name": path.name, "kind": path.kind, "role": path.role} for path in scene.all_paths]
-    head = {
-        "scene": str(file),
-        "title": scene.title,
-        "estimate": scene.estimate,
-        "scene_sha256": scene.sha256,
-        "paths": paths,
-    }
-    return {**head, "left_out": [], **about}
+    head = {"scene": str(file), "title": scene.title, "scene_sha256": scene.sha256, "paths": paths}
+    return {**head, **estimate_of(scene), "left_out": [], **about}
+
+
+def estimate_of(scene: Scene) -> dict[str, str]:
+    """Return the entry of a document that names whose values of the ranges of a scene count; none without ranges."""
+    return {"estimate": scene.estimate} if scene.estimate else {}
 
 
 _GROUND = (
