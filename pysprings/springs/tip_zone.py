@@ -88,7 +88,7 @@ def shares(old: Array, edges: Array) -> Array:
     return np.asarray(np.maximum(high - low, 0.0) / np.diff(edges)[:, None])
 
 
-def as_on(own: Array, slices: Array, values: Array, bounds: Array) -> Array:
+def distributed_like(own: Array, slices: Array, values: Array, bounds: Array) -> Array:
     """Return values (k, ...) of slices with bounds (k, 2) [m] in the slices (n, 2) of a finer mesh, (n, ...).
 
     In each of the k slices they vary as the values ``own`` (n, ...) of that mesh do. Their sums over depth remain.

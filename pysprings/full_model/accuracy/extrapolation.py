@@ -26,7 +26,7 @@ from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.full_model.accuracy.measures import driver_of
 from pysprings.springs.path import RecordedPath, paths_of
 from pysprings.springs.path_ends import MESH_ERROR, end_numbers
-from pysprings.springs.tip_zone import as_on
+from pysprings.springs.tip_zone import distributed_like
 
 PUSHED, PULLED = 1.0, 2.0  # of vertical paths in sand, in the elements beside the tip (error-estimates-vertical.csv)
 _DEPTHS = ("p_component", "m", "t")
@@ -226,7 +226,7 @@ def _resliced(found: Reactions, path: xr.Dataset, fine: xr.Dataset) -> None:
     In each of its slices p, m and t differ by one value from those of the finer mesh: jumps between layers and the peak
     at the tip stay where they are. Force is kept; m takes what the place of p changes, so that the moment is, too.
     """
-    put = partial(as_on, slices=fine["depth_bounds"].values, bounds=path["depth_bounds"].values)
+    put = partial(distributed_like, slices=fine["depth_bounds"].values, bounds=path["depth_bounds"].values)
     levers = _levers(found, path)
     for name in (name for name in _DEPTHS if name in found):
         found[name] = put(fine[name].transpose(*_axes(fine, name)).values, values=found[name])

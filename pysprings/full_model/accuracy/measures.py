@@ -32,7 +32,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import PATH_KINDS, direction_of_load, kind_of
 from pysprings.macro.measures import eta
 from pysprings.springs.path import RecordedPath, paths_of
-from pysprings.springs.tip_zone import as_on, on_line
+from pysprings.springs.tip_zone import distributed_like, on_line
 
 # The contact pressure is sought down to this share of the skirt: at its tip the exact one is singular in elastic soil,
 # and the largest value there depends on how fine the mesh is, without a limit.
@@ -121,12 +121,13 @@ def on_finer_slices(path: xr.Dataset, finer: xr.Dataset, length: float) -> xr.Da
     A spline through few slices overshoots where p jumps from layer to layer. Without two states of the finer mesh that
     move on the path is returned as it is.
     """
-    of, on = driver_of(finer, length), leading(driver_of(finer, length))
+    of = driver_of(finer, length)
+    on = leading(of)
     if on.size < 2:
         return path
     like = _between(of[on], finer["p"].transpose("step", "depth").values[on], driver_of(path, length)).T
     bounds, slices = path["depth_bounds"].values, finer["depth_bounds"].values
-    p = as_on(like, slices, path["p"].transpose("depth", "step").values, bounds)
+    p = distributed_like(like, slices, path["p"].transpose("depth", "step").values, bounds)
     y = path["y"].transpose("depth", "step").values
     y = np.stack([on_line(path["depth"].values, y, z) for z in finer["depth"].values])
     values = {"p": (("depth", "step"), p), "y": (("depth", "step"), y), "depth_bounds": (("depth", "side"), slices)}

@@ -91,6 +91,15 @@ def test_slices_that_end_inside_rings_carry_the_force_of_a_smooth_reaction() -> 
     np.testing.assert_array_equal(forces[:, 0], 0.0)
 
 
+def test_y_of_slices_above_and_below_all_ring_centres_is_that_of_the_rigid_skirt() -> None:
+    """y = 5 - z, of which two rings have 4 and 2; of a first state that counts as 0."""
+    bounds = np.array([[0.0, 2.0], [2.0, 4.0]])
+    y = np.array([[0.0, 4.0], [0.0, 2.0]])
+    values = {"p": (("depth", "step"), y), "y": (("depth", "step"), y), "depth_bounds": (("depth", "side"), bounds)}
+    path = xr.Dataset(values, {"depth": bounds.mean(axis=1)})
+    np.testing.assert_allclose(slice_curves(path, 4.0, 4)[0][:, 1], [4.5, 3.5, 2.5, 1.5], rtol=1e-12)
+
+
 def test_motion_counts_from_the_first_state() -> None:
     """The dead load may have moved the caisson before the path begins."""
     path = paths_of(measured_result())["shift"].dataset

@@ -26,9 +26,10 @@ from pysprings.full_model.accuracy.own_estimate import (
 from pysprings.full_model.accuracy.presets import BETWEEN, LINEAR, PRESETS, VARIED, read_mesh, settings
 from pysprings.full_model.compute import scene_to_run
 from pysprings.full_model.run_record import Computed, MeshFigures, PathFigures, RunRecord, Status
-from pysprings.model.build import counts_of
+from pysprings.model.build import counts_of, geometry_of
 from pysprings.model.fourier import section_counts_of
-from pysprings.model.mesh import PRESETS as MESHES
+from pysprings.model.fourier_mesh import COHESIVE, PRESETS as SECTIONS
+from pysprings.model.mesh import PRESETS as MESHES, depths, skirt_cells
 from pysprings.scene.template import template_text
 from pysprings.springs.path import paths_of
 from pysprings.springs.tip_zone import reslice
@@ -170,6 +171,17 @@ def test_sand_leaves_the_shares_that_its_scenes_ask_for() -> None:
     assert two_mesh.left_in(tiny.sand(caisson=short)) == frictional | {"load_max": 0.85, "py_rms": 1.4}
     dense = tiny.sand(caisson=half, soil={"yield_surface": "sand", "relative_density": 0.7})
     assert two_mesh.left_in(dense) == frictional | {"load_max": 1.0}
+
+
+@pytest.mark.parametrize("length", [2.5, 6.0, 9.0])
+def test_rings_of_clay_are_no_wider_on_medium_than_on_coarse(length: float) -> None:
+    """With wider ones in mid-skirt p-y of `medium` was worse than that of `coarse` (data/evidence/sections.csv)."""
+    clay = tiny.parsed(template_text("soft-clay")).replace(caisson={"skirt_length": length})
+    geometry, widest = geometry_of(clay), list[float]()
+    for preset in ("coarse", "medium"):
+        levels = depths(geometry, SECTIONS[COHESIVE][preset])
+        widest.append(float(np.diff(levels[: skirt_cells(geometry, levels) + 1]).max()))
+    assert widest[1] <= widest[0]
 
 
 def test_layers_that_one_slice_of_the_coarser_mesh_covers_are_no_error_of_p_y() -> None:

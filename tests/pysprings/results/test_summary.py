@@ -12,7 +12,7 @@ import pytest
 
 import pysprings
 from pysprings.core.storage import read_tree
-from pysprings.full_model.run_record import LimitLoad, RunRecord
+from pysprings.full_model.run_record import LimitLoad, RunRecord, significant
 from pysprings.results.exporters.header import range_of_path
 from pysprings.results.folder import run_to_folder
 from pysprings.results.summary import _stiffness, _vertical, summary
@@ -191,3 +191,9 @@ def test_the_range_of_coupled_springs_names_their_rate(folder: Path, tmp_path: P
         record = RunRecord.read(of)
         assert record is not None and record.summary is not None
         assert record.summary["range"].endswith(f"monotonic loading; in proportion{words}")
+
+
+def test_values_are_judged_beside_the_largest_times_their_length() -> None:
+    """4 urad are 40 um on 10 m, which count beside 1 m; on 1 m they do not."""
+    assert significant((1.0,), (4e-6,), 10.0) == ([1.0], [4e-6])
+    assert significant((1.0, 4e-6), (4e-6,), 1.0) == ([1.0, 0.0], [0.0])
