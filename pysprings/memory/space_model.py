@@ -38,6 +38,7 @@ from pysprings.memory.model import divided_way, joined
 from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
+from pysprings.memory.stepper import StepMarks, checked_step, load_mark, rate_mark
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, STRAIGHT, SpringPath, in_planes, out_of_planes
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
@@ -331,22 +332,34 @@ class SpaceStepper:
 
     state : (elements, 5) committed numbers of the elements.
     motion, load : committed (u_x, u_y, rot_x, rot_y, rot_z) and (H_x, H_y, M_x, M_y, T), in m, rad, N, N m.
+    way : committed motions added up [m].
     """
 
     def __init__(self, model: SpaceSprings) -> None:
         self.model = model
         self.state = np.zeros((len(model.elements.rows), SPACE_STATES))
-        self.motion, self.load = np.zeros(SPACE), np.zeros(SPACE)
+        self.motion, self.load, self.way = np.zeros(SPACE), np.zeros(SPACE), 0.0
         self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
+        self._conditions: tuple[float | None, float | None] = None, None
 
-    def advance(self, *, motion: Array | None = None, load: Array | None = None) -> Array:
+    def advance(
+        self,
+        *,
+        motion: Array | None = None,
+        load: Array | None = None,
+        V: float | None = None,
+        duration: float | None = None,
+    ) -> Array:
         """Go to a motion, or under a load, (5,); return the other one (5,).
+
+        `marks` compares V [N] and the duration [s] of the step with those of the springs; they change nothing else.
 
         Raises BeyondSprings: the elements do not carry the load.
         Raises UserInputError: neither, or both, are given.
         """
         if (motion is None) == (load is None):
             raise refused("motion", "give a motion or a load")
+        checked_step(V, duration)
         model, drive = self.model, self.model.drive("load" if motion is None else "state")
         aim, start = (load, self.load) if motion is None else (motion, self.motion)
         way = np.stack([start, model.checked(np.asarray(aim)[None])[0]])
@@ -357,6 +370,7 @@ class SpaceStepper:
         if n < 2:
             raise BeyondSprings([Problem(key="springs", message="the elements do not carry the load of this step")])
         self._trial = state, model.turns_of(found[1:])[0], model.pushes_of(carried[1:])[0]
+        self._conditions = V, duration
         answer: Array = self._trial[1 if motion is None else 2].copy()
         return answer
 
@@ -368,7 +382,30 @@ class SpaceStepper:
         advance(model.elements.rows, start, end, state, F, K)
         return model.in_turns(K)
 
+    @property
+    def marks(self) -> StepMarks:
+        """What of the last trial state the springs do not cover."""
+        model, (_, turn, push), (V, duration) = self.model, self._trial, self._conditions
+        sector, _ = model.beside(turn[None])
+        return StepMarks(
+            range_used=float(model.range_used(turn[None])[0]),
+            off_path=bool(sector[0] > WIDEST + RANGE_SLACK),
+            off_load=load_mark(model.vertical, V, model.V),
+            off_rate=rate_mark(model.rate, float(np.linalg.norm(self._moved)), duration),
+            way_used=(self.way + self._further) / model.elements.way,
+            torsion_apart=bool(model.torsion_apart(push[None])[0]),
+        )
+
+    @property
+    def _moved(self) -> Array:
+        return self.model.motions_of((self._trial[1] - self.motion)[None])[0]
+
+    @property
+    def _further(self) -> float:
+        return float(np.linalg.norm(self._moved[:4]))  # a twist moves no lateral element
+
     def commit(self) -> None:
         """Keep the last trial state."""
         state, motion, load = self._trial
+        self.way += self._further
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Springs with a memory step by step, with a state that is kept."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import loads_in_words
 from pysprings.macro.fan import WIDEST, FanTable
-from pysprings.macro.vertical import covered
+from pysprings.macro.vertical import VerticalTable, covered
 from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance, relax
 from pysprings.memory.mixture import ChangingLoad, Step
@@ -19,6 +19,7 @@ from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
 from pysprings.springs.path import off_rate
 
+MARKS = ("extrapolated", "off_path", "off_load", "off_rate", "heave_extrapolated", "torsion_apart")
 _NO_ANSWER = "the elements carry no more than {} on the way to this step"
 
 
@@ -26,21 +27,26 @@ _NO_ANSWER = "the elements carry no more than {} on the way to this step"
 class StepMarks:
     """What of a state the springs do not cover; the words are those of a prediction.
 
-    range_used : size of the motion over that of the rays beside it.
-    extrapolated : True beyond the rays.
+    range_used : size of the motion over that of the rays beside it; the state is extrapolated beyond 1.
     off_path : True between rays too far apart.
     off_load : True where V is not that of the elements, or near its capacity. off_rate : True where the motion is
         faster or slower than their rate by half a decade. None where V, or the time of the step, is not given, or the
         springs have no rate.
     way_used : motions added up over the longest way of the calibration; heave is extrapolated beyond 1.
+    torsion_apart : True in space where torsion and a lateral load act together.
     """
 
     range_used: float
-    extrapolated: bool
     off_path: bool
     off_load: bool | None
     off_rate: bool | None
     way_used: float
+    torsion_apart: bool = False
+
+    @property
+    def extrapolated(self) -> bool:
+        """True beyond the rays."""
+        return self.range_used > 1.0 + RANGE_SLACK
 
     @property
     def heave_extrapolated(self) -> bool:
@@ -50,8 +56,7 @@ class StepMarks:
     @property
     def names(self) -> tuple[str, ...]:
         """The marks that are set."""
-        found = tuple(name for name, value in asdict(self).items() if value is True)
-        return (*found, "heave_extrapolated") if self.heave_extrapolated else found
+        return tuple(name for name in MARKS if getattr(self, name))
 
 
 class MemoryStepper:
@@ -102,9 +107,7 @@ class MemoryStepper:
         """
         if (motion is None) == (load is None):
             raise refused("motion", "give a motion or a load")
-        check_numbers(V=V, duration=duration)
-        if duration is not None and duration <= 0.0:
-            raise refused("duration", f"{duration:g} s must be more than 0 s")
+        checked_step(V, duration)
         control: Control = "load" if motion is None else "state"
         model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
         drive, aims = model.equations(control, aim, 0.0)
@@ -141,21 +144,16 @@ class MemoryStepper:
         moved = self._moved
         return StepMarks(
             range_used=used,
-            extrapolated=used > 1.0 + RANGE_SLACK,
             off_path=aside,
             off_load=self._off_load(V),
-            off_rate=None
-            if model.rate is None or duration is None
-            else bool(off_rate(model.rate, np.array(moved), np.array(duration))),
+            off_rate=rate_mark(model.rate, moved, duration),
             way_used=(self.way + moved) / model.elements.way,
         )
 
     def _off_load(self, V: float | None) -> bool | None:
-        changing, own = self.model.changing, np.array([self.model.V])
-        if V is None or (changing is None and not np.isfinite(own[0])):
-            return None
-        there = np.array([V])
-        return not (covered(self.model.vertical, there, own) if changing is None else changing.covers(there))[0]
+        if V is None or self.model.changing is None:
+            return load_mark(self.model.vertical, V, self.model.V)
+        return not self.model.changing.covers(np.array([V]))[0]
 
     @property
     def reactions(self) -> Array:
@@ -237,3 +235,20 @@ def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, b
     states = np.array([state], dtype=float)
     used, sector, _ = table.support(states)
     return float(used[0]), bool(sector[0] > WIDEST + RANGE_SLACK and states.any())
+
+
+def checked_step(V: float | None, duration: float | None) -> None:
+    """Refuse a vertical load [N] or a duration [s] of a step that is no number, or not positive."""
+    check_numbers(V=V, duration=duration)
+    if duration is not None and duration <= 0.0:
+        raise refused("duration", f"{duration:g} s must be more than 0 s")
+
+
+def load_mark(vertical: VerticalTable | None, V: float | None, own: float) -> bool | None:
+    """Return whether V [N] is not that of the elements, or near its capacity; None where either is not given."""
+    return None if V is None or not np.isfinite(own) else not covered(vertical, np.array([V]), np.array([own]))[0]
+
+
+def rate_mark(rate: float | None, moved: float, duration: float | None) -> bool | None:
+    """Return whether a motion [m] in a time [s] is off a rate [m/s] by half a decade; None without either."""
+    return None if rate is None or duration is None else bool(off_rate(rate, np.array(moved), np.array(duration)))

@@ -21,7 +21,7 @@ from pysprings.macro.predict import sequence
 from pysprings.macro.space import compare_in_space, sequence_in_space
 from pysprings.memory import build
 from pysprings.memory.build import build_memory
-from pysprings.memory.calibration import MOST_NUMBERS
+from pysprings.memory.calibration import MOST_NUMBERS, way_of
 from pysprings.memory.elements import (
     PLASTIC,
     PLATES,
@@ -532,6 +532,30 @@ def test_sequences_in_space_that_are_refused(given: dict[str, Any], words: str) 
     rows = 1e-3 * np.array([[1.0, 0, 0, 0, 0], [2.0, 0, 0, 0, 0], [3.0, 0, 0, 0, 0]])
     with pytest.raises(UserInputError, match=words):
         sequence_in_space(calibrated(), rows, **given)
+
+
+def test_marks_of_a_stepper_are_those_of_a_sequence() -> None:
+    """Within the reach, beyond it and between rays too far apart, with torsion, at another V and rate."""
+    rays = np.array([[0.0, REACH], [0.25 * np.pi, REACH], [0.5 * np.pi, REACH]])
+    space = replace(SpaceSprings.of(calibrated()), rate=0.1 * REACH, rays=rays)
+    parts = np.array([[0.2, 0.0, 0.0, 0.05, 0.0], [0.9, 0.9, -0.4, 0.8, 0.0], [0.3, 0.0, 0.0, -0.3, 0.2]])
+    turns = parts * [REACH, REACH, REACH / LENGTH, REACH / LENGTH, REACH / RADIUS]
+    V = space.V + np.array([0.0, 0.0, 1e6])
+    steps = SpaceStepper(space)
+    for turn, down, duration in zip(turns, V, (2.0, 0.1, 10.0), strict=True):
+        steps.advance(motion=turn, V=down, duration=duration)
+        alone, marks = space.answer("state", turn[None], np.array([down])), steps.marks
+        assert marks.range_used == pytest.approx(float(alone["range_used"][0]), rel=1e-12)
+        assert [getattr(marks, name) for name in AT_ONCE] == [bool(alone[name][0]) for name in AT_ONCE]
+        steps.commit()
+    off = [space.answer("state", turns, time=np.cumsum([2.0, 0.1, 10.0]))["off_rate"].values.tolist(), marks.off_rate]
+    assert off == [[0, 1, 0], False]
+    assert steps.way == pytest.approx(way_of(space.motions_of(turns)[:, :4]), rel=1e-12)
+    names = ("off_path", "off_load", "heave_extrapolated", "torsion_apart")
+    assert (marks.names, marks.way_used) == (names, steps.way / space.elements.way)
+
+
+AT_ONCE = ("extrapolated", "off_path", "off_load", "torsion_apart")
 
 
 def test_a_stepper_takes_no_torque_for_a_motion() -> None:
