@@ -73,9 +73,7 @@ def refuse_other_run(folder: Path, record: RunRecord, scene: Scene) -> None:
     """Refuse to resume in a folder whose results belong to another scene or mesh, or are interrupted."""
     from pysprings.full_model.run_record import Status
 
-    chosen = record.mesh.harmonics if scene.mesh.harmonics is None else None
-    same = [scene] if chosen is None else [scene, scene.replace(mesh={"harmonics": chosen})]
-    if record.scene_sha256 not in [each.sha256 for each in same]:
+    if not record.is_of(scene):
         refuse("--resume", "the results here are those of another scene or mesh; --force begins anew", folder)
     if record.status in (Status.INTERRUPTED, Status.WRITING):
         message = "nothing to resume: the run here was interrupted, and its checkpoints are gone; --force begins anew"

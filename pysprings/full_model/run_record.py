@@ -22,6 +22,8 @@ from pysprings.core.written import WRITING, is_unfinished
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.scene.model import Scene
+
 ATTRIBUTE = "run_json"  # of the root of a full-model result
 FILE = "run.json"  # in the folder of a run
 
@@ -337,6 +339,15 @@ class RunRecord(_Part):
     def from_text(cls, text: str) -> RunRecord:
         """Return the record of a JSON text."""
         return cls.from_dict(json.loads(text))
+
+    def is_of(self, scene: Scene) -> bool:
+        """Return whether the run is that of a scene, maybe with the harmonics that its series chose.
+
+        A scene with harmonics of its own is that of a run with the same number only.
+        """
+        chosen = self.mesh.harmonics if scene.mesh.harmonics is None else None
+        same = [scene] if chosen is None else [scene, scene.replace(mesh={"harmonics": chosen})]
+        return self.scene_sha256 in [each.sha256 for each in same]
 
     @property
     def complete(self) -> bool:

@@ -15,7 +15,6 @@ from pysprings.springs.checks import RESULT
 
 RUNS = "runs"  # folder of the runs' folders
 _TAKEN_UP = 0.3  # a run whose first news is beyond this share has not come so far in this call
-NEEDED = ("full_model.nc", "springs.nc", "run.json")
 
 
 @dataclass
@@ -79,13 +78,17 @@ def run_folder(out: Path, name: str) -> Path:
 
 
 def has_ended(folder: Path, scene: Scene) -> bool:
-    """Return whether a folder holds the ended run (complete, or stopped by itself) of this scene and version."""
+    """Return whether a folder holds the ended run (complete, or stopped by itself) of this scene and version.
+
+    Springs belong to it unless its paths give none, as those out of one plane.
+    """
     record = record_of(folder, scene)
     return (
         record is not None
         and record.status in (Status.COMPLETE, Status.PARTIAL)
         and record.stopped_by is None
-        and all((folder / name).exists() for name in NEEDED)
+        and (folder / "full_model.nc").exists()
+        and (record.balance is None or (folder / "springs.nc").exists())
         and RunRecord.has_whole_results(folder)
     )
 
@@ -110,7 +113,6 @@ def forget(folder: Path) -> None:
 def record_of(folder: Path, scene: Scene) -> RunRecord | None:
     """Return the record of a folder if it belongs to this scene and version, else None."""
     record = RunRecord.read(folder)
-    known = scene.sha256, version.__version__, RESULT
-    if record is None or (record.scene_sha256, record.version, record.schema) != known:
+    if record is None or (record.version, record.schema) != (version.__version__, RESULT) or not record.is_of(scene):
         return None
     return record

@@ -194,8 +194,10 @@ def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -
 def _way(path: xr.Dataset, length: float) -> Array:
     """Return how far a path has come at each step [m], growing; rests of a timed path count by their time.
 
-    Raises NotAlike: states share a place: a load changes while nothing moves.
+    Raises NotAlike: there is no step; states share a place: a load changes while nothing moves.
     """
+    if path.sizes["step"] < 2:
+        raise NotAlike("no step of it converged")
     if direction_of_load(path.attrs) is not None:
         way = driver_of(path, length)
     else:
@@ -205,7 +207,7 @@ def _way(path: xr.Dataset, length: float) -> Array:
         way = np.concatenate([[0.0], np.cumsum(np.sum(moved, axis=0))])
     time = path["time"].values - path["time"].values[0]
     way = way + (way[-1] * time / time[-1] if time[-1] > 0.0 else 0.0)
-    if path.sizes["step"] < 2 or not (np.diff(way) > _SAME * way[-1]).all():
+    if not (np.diff(way) > _SAME * way[-1]).all():
         raise NotAlike("its load changes while it rests")
     return np.asarray(way)
 

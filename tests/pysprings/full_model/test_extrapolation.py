@@ -215,6 +215,16 @@ def test_a_coarser_path_that_stopped_early_gives_nothing() -> None:
     assert "did not start" in extrapolated(tree, Beside(shorter), 0.5).not_alike["down"]
 
 
+@pytest.mark.parametrize("steps", [0, 1])
+def test_a_path_without_a_converged_step_gives_nothing(steps: int) -> None:
+    """As of a probe whose vertical load is not carried: it has no state, or that at rest alone."""
+    probe = {"name": "probe", "kind": "probe", "lateral_displacement": 2e-3, "load_angle": 0.0, "role": "held-back"}
+    tree = compute(scene(paths=(probe,))).tree
+    converged = tree["paths/probe"]["converged"]
+    tree["paths/probe/converged"] = converged.where(converged["step"] < steps, 0)
+    assert extrapolated(tree, Beside(tree), 0.5).not_alike == {"probe": "no step of it converged"}
+
+
 @pytest.mark.parametrize(("sign", "added"), [(1.0, 2.0), (-1.0, 4.0 / 3.0)])
 def test_a_push_is_of_first_and_a_pull_of_second_order_in_the_elements_at_the_tip(sign: float, added: float) -> None:
     """Halved elements change V by 2 % of its way from rest: 1 + 1/(2^o - 1) times that is added."""

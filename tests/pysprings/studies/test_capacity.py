@@ -11,12 +11,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pysprings.core import version
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 from pysprings.core.words import StopReason
+from pysprings.full_model.run_record import MeshFigures, RunRecord, Status
 from pysprings.scene.design_strength import StrengthFactors
-from pysprings.springs.checks import save_springs
+from pysprings.springs.checks import RESULT, save_springs
 from pysprings.springs.springs import Springs
+from pysprings.studies import stored_runs
 from pysprings.studies.capacity import picture, plan, points, study
 from pysprings.studies.capacity.envelope import utilisation
 from pysprings.studies.capacity.picture import envelopes
@@ -374,6 +377,32 @@ def test_a_study_goes_on_where_it_was(tmp_path: Path) -> None:
     assert again.code == 0 and "displacement limit" in again.out
     assert [record.stat().st_mtime_ns for record in records] == stamps
     assert len(list((tmp_path / "out/runs").glob("*/run.json"))) == 4
+
+
+@pytest.mark.parametrize(
+    ("asked", "balance", "files", "ended"),
+    [
+        (None, {}, ("full_model.nc", "springs.nc"), True),
+        (5, {}, ("full_model.nc", "springs.nc"), True),
+        (3, {}, ("full_model.nc", "springs.nc"), False),  # another number was asked for
+        (None, None, ("full_model.nc",), True),  # a path out of one plane gives no springs
+        (None, {}, ("full_model.nc",), False),
+        (None, {}, ("springs.nc",), False),
+    ],
+)
+def test_a_run_whose_series_chose_its_harmonics_or_that_gives_no_springs_has_ended(
+    asked: int | None, balance: dict[str, Any] | None, files: tuple[str, ...], ended: bool, tmp_path: Path
+) -> None:
+    scene = SCENE.replace(mesh={"discretisation": "fourier", "harmonics": None, "azimuth": None})
+    ran = scene.replace(mesh={"harmonics": 5})
+    record = RunRecord(
+        Status.COMPLETE, scene_sha256=ran.sha256, version=version.__version__, schema=RESULT, balance=balance,
+        mesh=MeshFigures(harmonics=5),
+    )  # fmt: skip
+    (tmp_path / "run.json").write_text(record.as_json(), encoding="utf-8")
+    for name in files:
+        (tmp_path / name).touch()
+    assert stored_runs.has_ended(tmp_path, scene.replace(mesh={"harmonics": asked})) is ended
 
 
 @pytest.mark.parametrize("step", [1e-6, -1e-6, -2e-3])
