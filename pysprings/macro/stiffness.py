@@ -16,6 +16,7 @@ from pysprings.core import variables
 from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
+from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MOTIONS
 from pysprings.core.words import sudden
 from pysprings.macro.answer import Care
@@ -177,9 +178,9 @@ def secant(model: MacroModel, u: float, rotation: float, V: float | None = None,
         change += np.outer(x, left - (left @ x) / way * x) / way if symmetric else 0.0
         matrix[lateral] = block + size[:, None] * change * size
     if matrix.shape == (3, 3) and V is not None and model.vertical is not None:
-        w, _, _ = model.vertical.displacement(V)
         w0, V0 = model.vertical.rest
-        matrix[1, 1] = (V - V0) / (w - w0) if w != w0 else matrix[1, 1]
+        if not same_load(V, V0):  # of one load both differences are rounding
+            matrix[1, 1] = (V - V0) / (model.vertical.displacement(V)[0] - w0)
     return matrix
 
 

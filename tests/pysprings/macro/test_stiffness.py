@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Stiffness at a state: tangent and secant, reference point, axes, symmetric part, and out of the plane of the load."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.predict import MacroModel, predict
-from pysprings.macro.stiffness import stiffness, stiffness_six
+from pysprings.macro.predict import MacroModel, model_of, predict
+from pysprings.macro.stiffness import secant, stiffness, stiffness_six
 from tests.support.closed_forms import linear_springs
 from tests.support.vertical import REST, vertical_springs
 
@@ -35,6 +37,15 @@ def test_the_secant_of_w_is_the_change_of_v_over_that_of_w() -> None:
     V = REST + 2e6
     w = float(predict(tree, V=V)["w"])
     assert float(stiffness(tree, V=V, secant=True)[1, 1]) == pytest.approx(2e6 / w, rel=1e-9)
+
+
+@pytest.mark.parametrize("V", [REST, np.nextafter(REST, np.inf)])
+def test_the_secant_of_w_at_rest_is_the_tangent(V: float) -> None:
+    """It is no difference of two equal loads over a rounding of w."""
+    model = model_of(vertical_springs())
+    assert model.vertical is not None
+    rested = replace(model, vertical=replace(model.vertical, rest=(0.0, V)))
+    assert secant(rested, 1e-3, 1e-4, V)[1, 1] == pytest.approx(secant(rested, 1e-3, 1e-4)[1, 1])
 
 
 @pytest.mark.parametrize("depth", [4.0, -10.0])
