@@ -19,6 +19,16 @@ def check_arrays(**values: Any) -> None:
     _raise({name: _number_fault(value, arrays=True) for name, value in values.items()})
 
 
+def check_shapes(**values: Any) -> None:
+    """Raise UserInputError where arrays have shapes that do not go together (None: not given)."""
+    shapes = {name: np.shape(value) for name, value in values.items() if value is not None}
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        have = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        _raise({next(iter(shapes)): f"give arrays of one shape, or single numbers; here {have}"})
+
+
 def check_rows(n: int, V: Any, time: Any) -> None:
     """Raise UserInputError for a V that is neither one number nor one a row of n, and times that do not grow from 0."""
     bad = []

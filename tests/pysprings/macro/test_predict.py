@@ -373,6 +373,7 @@ def test_bad_arguments_are_refused(arguments, key):
         (lambda springs: predict_batch(springs, H=["1 MN"]), "H", "a number is needed, not list"),
         (lambda springs: predict_batch(springs, H=[True]), "H", "a number is needed"),
         (lambda springs: predict_batch(springs, H=[1e5, np.nan]), "H", "not a finite number"),
+        (lambda springs: predict_batch(springs, H=[1e5, 2e5], arm=[1.0, 2.0, 3.0]), "H", "of one shape, or single"),
         (lambda springs: stiffness(springs, H="1 MN"), "H", "is a text"),
         (lambda springs: stiffness(springs, u="1 mm"), "u", "is a text"),
         (lambda springs: stiffness(springs, V="2 MN"), "V", "is a text"),
