@@ -77,9 +77,9 @@ def predict_batch(
     capacity, or only the end of what is known (`capacity_kind`, `capacity_from`). `stiffness` (case, dof,
     dof_conjugate) is the tangent.
     """
-    loads = {"H": H, "arm": arm, "M": M, "V": V, "H_x": H_x, "H_y": H_y, "M_x": M_x, "M_y": M_y, "T": T}
-    check_arrays(**loads)
-    check_shapes(**loads)
+    asked = {"H": H, "arm": arm, "M": M, "V": V, "H_x": H_x, "H_y": H_y, "M_x": M_x, "M_y": M_y, "T": T}
+    check_arrays(**asked)
+    check_shapes(**asked)
     down, parts = np.nan if V is None else V, any(each is not None for each in (H_x, H_y, M_x, M_y))
     if parts and not H is arm is M is None:
         raise refused("H", "give H with arm or M, or components, not both")
