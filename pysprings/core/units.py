@@ -72,8 +72,10 @@ COMMON: dict[str, tuple[float, Dimension]] = {
     "s": (1.0, (("second", 1.0),)), "kg": (1.0, (("kilogram", 1.0),)),
 }  # fmt: skip
 
-# units of the field that pint does not have: the force, and the power of the foot below it
-_PER_FOOT = {"psf": ("lbf", 2), "ksf": ("kip", 2), "pcf": ("lbf", 3), "kcf": ("kip", 3)}
+# units of the field that pint does not have: how many of which force, and the power of the foot below it
+_PER_FOOT = {
+    "psf": (1, "lbf", 2), "ksf": (1, "kip", 2), "tsf": (2, "kip", 2), "pcf": (1, "lbf", 3), "kcf": (1, "kip", 3),
+}  # fmt: skip
 
 _TONS = ("ton", "tons")
 
@@ -227,8 +229,9 @@ def _named(name: str) -> tuple[float, Dimension]:
     if name in COMMON:
         return COMMON[name]
     if name in _PER_FOOT:
-        force, power = _PER_FOOT[name]
-        return unit_of(f"{force}/ft^{power}")
+        count, force, power = _PER_FOOT[name]
+        scale, dimension = unit_of(f"{force}/ft^{power}")
+        return count * scale, dimension
     registry = _registry()
     try:
         scale, base = registry.get_base_units(registry.parse_units(name))

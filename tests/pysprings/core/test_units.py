@@ -40,6 +40,7 @@ from tests.support.watch import time_limit
         ("3 kN*m", "N m", 3e3),
         ("-0 m", "m", 0.0),
         ("2 kip", "N", 8896.443230521),
+        ("1 tsf", "Pa", 2000 * 4.4482216152605 / 0.3048**2),  # cones in American units
         ("5 m**3/m**2", "m", 5.0),
         ("5 N/m^-1", "N m", 5.0),  # a negative power behind a stroke counts twice
         ("5 kN/mm^-1", "N m", 5.0),
