@@ -198,7 +198,7 @@ class Row:
     cut: bool = False
 
 
-def _leading(q: Array, r: Array, size: float, resists: bool = True) -> int:
+def leading(q: Array, r: Array, size: float, resists: bool = True) -> int:
     """Count leading points where |q| grows, keeps its sign and meets resistance; 0 for a small range."""
     good = (np.diff(np.abs(q)) > MIN_GROWTH * size) & (np.sign(q[1:]) == np.sign(q[1]))
     if resists:
@@ -217,7 +217,7 @@ def _carried(rec: _Recorded, name: str, place: Slice, r: Array, order: tuple[str
     for resists, carriers in ((True, order), (False, order[1:] + order[:1])):
         for carrier in carriers:
             a, q, size = options[carrier]
-            if _leading(q, r, size, resists) == q.size:
+            if leading(q, r, size, resists) == q.size:
                 return Row(name, depth, carrier, a, b, q, r, natural=carrier == order[0])
     return _cut(rec, name, place, r, order[0])
 
@@ -226,7 +226,7 @@ def _cut(rec: _Recorded, name: str, place: Slice, r: Array, carrier: str) -> Row
     """Return the row of the first usable part of a curve (at best all of it); None without one."""
     depth, b = place[0], action(name, *place, rec.length)
     a, q, size = rec.carriers(name, depth)[carrier]
-    n = _leading(q, r, size)
+    n = leading(q, r, size)
     return Row(name, depth, carrier, a, b, q[:n], r[:n], cut=n < q.size) if n else None
 
 

@@ -21,7 +21,7 @@ from pysprings.core.path_kinds import HELD_BACK
 from pysprings.core.variables import known_torsion
 from pysprings.macro import measures
 from pysprings.macro.comparison import along_path
-from pysprings.macro.curve_table import Row, SpringTable, stack
+from pysprings.macro.curve_table import Row, SpringTable, leading, stack
 from pysprings.macro.fan import FanTable, has_fan
 from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import row_values
@@ -194,8 +194,9 @@ def _represent(rows: SpringTable, path: SpringPath) -> tuple[SpringTable, list[s
     action = rows.b[others].T @ forces
     names = ", ".join(sorted({f"{rows.name[j]} at {rows.depth[j]:.3g} m" for j in np.flatnonzero(others)}))
     lost = [f"springs that read another displacement stand on the lid, exact on path '{path.name}' alone: {names}"]
+    reach = float(np.hypot(states[0], path.length * states[1]).max())
     for name, q, r, a in (("H_rest", states[0], action[0], (1.0, 0.0)), ("M_rest", states[1], action[1], (0.0, 1.0))):
-        if (np.diff(np.abs(q)) > 0.0).all():
+        if leading(q, r, reach if a[0] else reach / path.length, resists=False) == q.size:
             parts.append(Row(name, 0.0, "u" if a[0] else "rotation", a, a, q, r))
         elif np.abs(r).max() > 0.0:
             lost.append(

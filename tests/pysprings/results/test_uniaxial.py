@@ -149,6 +149,19 @@ def test_springs_that_read_another_displacement_are_named() -> None:
     np.testing.assert_allclose(cross, 0.0, atol=1e-9 * np.abs(own.b).max())
 
 
+@pytest.mark.parametrize("rounding", [0.0, 1e-19])
+def test_a_rotation_that_is_rounding_carries_no_spring(rounding: float) -> None:
+    """An imposed rotation of 0 comes back as 1e-20 under some vertical loads; moments grow along the path."""
+    tree = vertical_springs()
+    path = tree["paths/slide"].to_dataset(inherit=False)
+    path["m"] = path["m"] + 1e8 * path["u"]
+    path["rotation"] = rounding * path["u"]
+    tree["paths/slide"].dataset = path
+    made = uniaxial(Springs.of(tree), "full")
+    assert "M_rest" not in {spring.name for spring in made.springs}
+    assert "their moment is left out: its displacement does not grow on the path" in made.lost
+
+
 @pytest.mark.parametrize("points", [5, 20, 41, 401])
 def test_tables_are_bounded_by_their_printed_error(made: Uniaxial, points: int) -> None:
     for spring in made.springs:
