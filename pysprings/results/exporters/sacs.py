@@ -20,7 +20,14 @@ from pysprings.macro.solver import row_values
 from pysprings.results.exporters.base import ZONE, Exported, Options, Source, Target
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
-from pysprings.results.exporters.uniaxial_sets import Uniaxial, change_by_tables, errors_by_role, uniaxial, with_tables
+from pysprings.results.exporters.uniaxial_sets import (
+    Uniaxial,
+    change_by_tables,
+    errors_by_role,
+    no_heave,
+    uniaxial,
+    with_tables,
+)
 from pysprings.springs.springs import Springs
 
 WIDTH = 6  # characters of a number
@@ -211,7 +218,7 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str], Spri
     made = uniaxial(springs, options["springs"], load, planes=2, slices=ZONE)
     axial, words = _axial_cards(springs, made, options)
     lateral, errors = _lateral_cards(springs, made, options)
-    lost = [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, *words, *errors]
+    lost = [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, no_heave(springs), *words, *errors]
     return [*axial, *lateral], lost, springs
 
 

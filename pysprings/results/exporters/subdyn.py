@@ -97,7 +97,8 @@ def place_of(springs: Springs, text: str) -> tuple[Load, Springs]:
         if path.is_vertical or not 0.0 < share <= 1.0:
             raise refused("--option at", f"'{text}' is not above 0 and up to 100 % of the range of a lateral path")
         (step,) = _steps(motion, springs.length, (share,))
-        return {"u": float(motion[0, step]), "rotation": float(motion[1, step])}, springs.answering(path)
+        own = Load(u=float(motion[0, step]), rotation=float(motion[1, step]), V=float(path.given_loads[step]))
+        return own, springs.answering(path)
     found, problems = Load(), []
     for part in text.split(","):
         name, sign, value = (each.strip() for each in part.partition("="))

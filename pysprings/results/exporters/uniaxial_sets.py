@@ -290,14 +290,14 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
 def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
     """Return a sentence for calibration and held-back paths: largest errors beside the full model, and their paths.
 
-    Paths at another V than that of the springs count for nothing here.
+    Paths at another V than that of the springs, or under one that changes, count for nothing here.
     """
     worst: dict[str, dict[str, tuple[float, str]]] = {}
     V, elsewhere = springs.path().load, False
     for path in springs.paths.values():
         if path.is_vertical:
             continue
-        if not close_loads(path.load, V):
+        if not close_loads(path.given_loads, V).all():
             elsewhere |= path.role == HELD_BACK
             continue
         answer = along_path(path, model)
@@ -416,6 +416,15 @@ def masing_loads(made: Uniaxial, tables: list[Table], u: Array, rotation: Array)
     return H, M
 
 
+def no_heave(springs: Springs) -> str:
+    """Return a sentence on the w of the paths of lateral springs, which uniaxial springs do not have."""
+    ways = [np.zeros(1)]
+    ways += [path.w - path.w[0] for path in springs.paths.values() if path.calibrates and not path.is_vertical]
+    w = 1e3 * np.concatenate(ways)
+    change = f"by {w.min():.2g} to {w.max():+.2g} mm"
+    return f"lateral motion does not change w: on the paths of the lateral springs it does, {change}"
+
+
 FEWEST = 5
 UNITS = "m, rad, N, N m; reactions are those of a spring, p times the height of its slice"
 ELASTIC = "nonlinear elastic (monotonic backbone): no hysteresis, no memory; not for cyclic degradation"
@@ -454,8 +463,8 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
     made = uniaxial(springs, given["springs"] or None, load, int(given["planes"]), str(given["slices"]))
     rows = tables(made, points)
     torsion, first = known_torsion(springs.attrs), float(given["azimuth"] or 0.0)
-    lost = [f"springs '{made.model.spring_set}'", *made.lost, ELASTIC, NOT_ODD, other_planes(springs, made)]
-    lost += [BEHIND, torsion_words(torsion)]
+    lost = [f"springs '{made.model.spring_set}'", *made.lost, ELASTIC, NOT_ODD, no_heave(springs)]
+    lost += [other_planes(springs, made), BEHIND, torsion_words(torsion)]
     lost += [
         f"tables of at most {points} points: {100.0 * max(row.error for row in rows):.2g} % from the curves at most",
         change_by_tables(springs, made.model, with_tables(made, rows)),

@@ -25,7 +25,7 @@ from pysprings.springs.springs import Springs
 from tests.support import loaded, openfast, subdyn, synthetic, winkler, written
 from tests.support.commands import command
 from tests.support.fans import LENGTH
-from tests.support.vertical import fan_with_vertical, vertical_springs
+from tests.support.vertical import K as K_REST, fan_with_vertical, vertical_springs
 
 TORSION = synthetic.TORSION
 
@@ -437,6 +437,14 @@ def test_the_matrix_at_a_load_times_the_motion_is_that_load(tmp_path: Path, prog
     np.testing.assert_allclose(
         K @ [path.u[step], path.rotation[step]], loads, rtol=2e-2, atol=2e-2 * max(map(abs, loads))
     )
+
+
+def test_the_vertical_tangent_at_a_share_of_a_path_is_that_under_its_load(tmp_path: Path) -> None:
+    source, stiffness = Source(vertical_springs(heavier=(3e6,))), []
+    for at in ("50 % of slide_3", "H=0.1 MN, V=3 MN"):
+        export(source, "subdyn", tmp_path, at=at, matrix="tangent")
+        stiffness.append(matrix_of(read_ssi(tmp_path / "subdyn_ssi.dat"), "k")[2, 2])
+    assert stiffness[0] == pytest.approx(stiffness[1]) and stiffness[0] < 0.99 * K_REST
 
 
 def test_marks_of_the_state_of_a_matrix_stand_beside_it(source: Source, tmp_path: Path) -> None:

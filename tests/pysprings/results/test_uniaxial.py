@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.errors import UserInputError
@@ -20,6 +21,7 @@ from pysprings.results.exporters.uniaxial_curve import Spring, table
 from pysprings.results.exporters.uniaxial_sets import (
     Uniaxial,
     change_by_tables,
+    errors_by_role,
     other_planes,
     tables,
     uniaxial,
@@ -194,6 +196,26 @@ def test_errors_are_those_on_paths_at_the_vertical_load_of_the_springs(tmp_path:
     assert "slide_6" in errors or "turn_6" in errors
     assert "% (slide_6), u up to half of the largest load" in errors
     assert not any(f"({name})" in line for line in lines for name in ("slide", "turn"))
+
+
+def test_paths_on_which_the_vertical_load_changes_are_no_error_of_springs_at_one() -> None:
+    tree = vertical_springs()
+    for name, V in (("held", 0.0), ("changing", 2.0)):
+        path = tree["paths/slide"].to_dataset(inherit=False)
+        path["H"] = 2.0 * path["H"]
+        path["V"] = path["V"] * (1.0 + V * path["u"] / path["u"][-1])
+        path.attrs |= {"role": "memory", "heave": "free"}
+        tree[f"paths/{name}"] = xr.DataTree(path)
+    springs = Springs.of(tree)
+    (line,) = (each for each in errors_by_role(springs, uniaxial(springs).model, "error") if "memory paths" in each)
+    assert "(held)" in line and "(changing)" not in line
+
+
+@pytest.mark.parametrize("program", ["calculix", "sacs"])
+def test_what_lateral_motion_does_to_w_is_stated(tmp_path: Path, program: str) -> None:
+    """w of the translation falls by 0.15 u^2/5 mm, u up to 10 mm."""
+    lines = export(Source(vertical_springs()), program, tmp_path, points=20).remarks
+    assert [line for line in lines if line.endswith("lateral springs it does, by -3 to +0 mm")]
 
 
 def test_straight_lines_are_those_of_the_tables(made: Uniaxial) -> None:
