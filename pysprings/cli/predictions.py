@@ -187,7 +187,8 @@ def stiffness(matrices: Matrices) -> dict[str, Any]:
     document: dict[str, Any] = {"stiffness": _meaning(given) | {"matrices": given.values}}
     for key, six in (("stiffness_6x6_at_state", matrices.six_at_state), ("stiffness_6x6", matrices.six)):
         if six is not None:
-            document[key] = _meaning(six) | {"torsion": six.attrs["torsion"], "matrix": six.values}
+            notes = {name: six.attrs[name] for name in ("torsion", "vertical") if name in six.attrs}
+            document[key] = _meaning(six) | notes | {"matrix": six.values}
     return document
 
 
@@ -221,6 +222,8 @@ def print_stiffness(matrices: Matrices) -> None:
             print(f"\n{matrix.attrs['long_name']}, 6x6 (MN, m, rad):")
             _print_matrix(matrix)
     to_stderr(f"note: {six.attrs['torsion']}")
+    if matrices.six_at_state is not None:
+        to_stderr(f"note: {matrices.six_at_state.attrs['vertical']}")
 
 
 def _print_matrix(matrix: xr.DataArray) -> None:

@@ -301,7 +301,8 @@ _SPRINGS_PATH = (
 _PREDICTED = (replace(v, required=False) if v.name in ("w", "V") else v for v in _BODY.values())
 _TANGENT = (
     "mixed units: N m-1 for u and w; N radian-1 between u and rotation; N m radian-1 for rotation; "
-    "w: slope of the vertical springs under the V asked for, else elastic stiffness of the full model; uncoupled"
+    "w: slope of the vertical springs under the V asked for, else elastic stiffness of the full model; uncoupled, and "
+    "without the lateral load, which softens it"
 )
 _DEVIATION = "of springs of an atlas: one standard deviation; 0 for what was imposed"
 _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RESULT_PATH["p"]) | _table(

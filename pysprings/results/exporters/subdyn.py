@@ -35,7 +35,6 @@ _HEAD = (
 AT_REST = (
     "linear: stiffness at rest, which the caisson has at no load; beside it secants of the springs, and its errors"
 )
-_APART = "w is not coupled with u and rotation: the springs have what V changes in w alone"
 # of the option at: unit, and an example
 LOADS = {"H": ("N", "2 MN"), "M": ("N m", "40 MN m"), "V": ("N", "2 MN"), "arm": ("m", "60 m")}
 _SECANTS = (
@@ -81,8 +80,7 @@ def linear(springs: Springs, options: Options) -> Linear:
     matrix, name = found.values + 0.0, str(found.attrs["long_name"])
     words = f"linear: {name} ({options['at']}); x along that load; beside it secants of the springs, and its errors"
     lateral = matrix[np.ix_([0, 4], [0, 4])]
-    notes = [f"supported in part: {each.message}" for each in marks]
-    notes += [_APART] if not matrix[2, [0, 4]].any() else []
+    notes = [*(f"supported in part: {each.message}" for each in marks), str(found.attrs["vertical"])]
     return Linear(matrix, name, [words, *notes, *secants(springs), *linear_errors(springs, lateral)])
 
 

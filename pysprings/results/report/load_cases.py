@@ -144,7 +144,7 @@ COLUMNS = (
     Column("tangent K u,rotation [MN/rad]", "tangent_u_rotation_N", factor=MN, brief=False),
     Column("tangent K rotation,u [MN m/m]", "tangent_rotation_u_N", factor=MN, brief=False),
     Column("tangent K rotation,rotation [MN m/rad]", "tangent_rotation_rotation_Nm", factor=MN, brief=False),
-    Column("tangent K ww [MN/m]", "tangent_w_w_N_per_m", factor=MN, brief=False),
+    Column("tangent K ww under V alone [MN/m]", "tangent_w_w_N_per_m", factor=MN, brief=False),
     Column("utilisation", "utilisation", form=3),
     Column("V used", "utilisation_V", form=3),
     Column("capacity V [kN]", "capacity_V_N", factor=KN, brief=False),

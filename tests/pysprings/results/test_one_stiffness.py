@@ -208,6 +208,9 @@ def test_a_stiffness_at_a_state_has_another_name(folder: Path) -> None:
     document = json.loads(command("predict", folder, "--H", "100 kN", "--stiffness", "--json").out)
     for key in ("stiffness", "stiffness_6x6_at_state"):
         assert document[key]["long_name"].startswith("tangent stiffness of the springs at the state")
+    at_state, at_rest = document["stiffness_6x6_at_state"], document["stiffness_6x6"]  # symmetry: at rest w is apart
+    assert "a lateral load softens it" in at_state["vertical"] and "vertical" not in at_rest
+    assert at_state["vertical"] in command("predict", folder, "--H", "100 kN", "--stiffness").err
     springs = pysprings.open_springs(folder / "springs.nc")
     assert pysprings.stiffness(springs, H=1e5, secant=True).attrs["long_name"].startswith("secant stiffness of the spr")
     table = open_table(folder / "py.csv")
