@@ -27,10 +27,10 @@ from pysprings.macro.predict import Asking, impose, model_of, predict
 DOFS = MOTIONS
 NO_TORSION = "torsion (rot_z) is not known, as no full model has computed it: its row and column are 0"
 AT_REST = "torsion (rot_z) is that of the full model at rest: less where torsion or lateral loads mobilise friction"
-# 0.78 for 2.58 GN/m: the first run's caisson under 1 MN at 3 m, 68 % of the range used, by the full model under two V
+# the first run's caisson under 0.15, 0.3, 0.6, 1 MN at 3 m: 2.50, 2.03, 1.24, 0.78 GN/m by the full model under two V
 W_APART = (
     "w is not coupled with u and rotation, and its stiffness is that under V alone: a lateral load softens it "
-    "(in sand, two thirds of the range used, to a third)"
+    "(in sand to 0.8, 0.5, 0.3 of it at 20, 40, 70 % of the range)"
 )
 FULL_MODEL = "initial stiffness of the full model"
 FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
