@@ -21,7 +21,7 @@ from pysprings.memory.calibration import ElementSet, beyond_way, numbers_of
 from pysprings.memory.elements import COLUMNS, PLATES, SPACE_COLUMNS, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
 from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
-from pysprings.memory.shares import elastic_motions, loads_of
+from pysprings.memory.shares import elastic_motions, even_motions, loads_of
 from pysprings.memory.space import SHARE_NOTHING
 
 _NOT_ASKED = {
@@ -96,12 +96,13 @@ class MemorySprings(FanSprings):
         """Return sentences on motions out of one plane: of elements in space, or at 45 degrees between plates."""
         if self.elements.space is not None:
             return [_IN_SPACE, *[f"torsion and lateral loads together: {SHARE_NOTHING}"] * self.element_rows.twists]
-        H, M = error_between_planes(self.elements)
+        shares = self.elements.shares
+        H, M, w = error_between_planes(self.elements, shares.even[self.table.name[~shares.odd].tolist().index("w")])
         return [
             "out of one plane of motion: elements with one gauge of the motion in both planes, an assumption",
             f"gap and frictional elements stand in the planes of x and y: at 45 degrees between them loads differ by "
-            f"up to {100 * H:.2g} % in H and {100 * M:.2g} % in M, of the largest on a way to half of the reach, back "
-            "and forth",
+            f"up to {100 * H:.2g} % in H and {100 * M:.2g} % in M, and w by up to {100 * w:.2g} %, of the largest on a "
+            "way to half of the reach, back and forth",
         ]
 
     def lasting(self, marks: Marks) -> Marks:
@@ -312,22 +313,29 @@ def _each(V: float | Array | None, states: Array) -> Array:
     return np.broadcast_to(np.asarray(V, dtype=float), len(states)).copy()
 
 
-def error_between_planes(elements: ElementSet) -> tuple[float, float]:
-    """Return the largest differences of H and M at 45 degrees between two planes, over the largest of each way.
+def error_between_planes(elements: ElementSet, settling: Array) -> tuple[float, float, float]:
+    """Return the largest differences of H, M and w at 45 degrees between two planes, over the largest of each way.
 
     The ways go to half of the reach, back to the other side, and forth again, in seven directions of (u, rotation L).
-    Plastic elements have no preferred plane; each plate of the others takes cos(45 deg) of the motion.
+    Plastic elements have no preferred plane; each plate of the others takes cos(45 deg) of the motion. settling are
+    the factors of w (2 elements,) of `Shares.even`.
     """
-    rows = elements.rows
-    plate = np.isin(rows[:, 0], PLATES)
-    largest = np.zeros(2)
+    rows, growth, half = elements.rows, elements.shares.growth, math.sqrt(0.5)
+    plate, largest = np.isin(rows[:, 0], PLATES), np.zeros(3)
+    if not plate.any():
+        return 0.0, 0.0, 0.0
     for angle in _ANGLES:
         way = elements.reach * _WAY[:, None] * np.array([math.cos(angle), math.sin(angle)])
-        whole = loads_of(rows, elastic_motions(rows, way, elements.largest)[0])
-        if not plate.any():
-            continue
-        plates, half = rows[plate], math.sqrt(0.5)
-        along = loads_of(plates, elastic_motions(plates, way, elements.largest)[0])
-        between = loads_of(plates, elastic_motions(plates, half * way, elements.largest)[0]) / half
-        largest = np.maximum(largest, np.abs(between - along).max(axis=0) / np.abs(whole).max())
-    return float(largest[0]), float(largest[1])
+        e, p = elastic_motions(rows, way, elements.largest)
+        answers = [(loads_of(rows, e), even_motions(rows, e, p, growth) @ settling)]
+        e[:, plate], p[:, plate] = elastic_motions(rows[plate], half * way, elements.largest)
+        e[:, plate], p[:, plate] = e[:, plate] / half, p[:, plate] / half**2  # of two plates together
+        answers.append((loads_of(rows, e), even_motions(rows, e, p, growth) @ settling))
+        (load, w), (other, moved) = answers
+        changes = [*(np.abs(other - load).max(axis=0) / np.abs(load).max()), np.abs(moved - w).max() / _size(w)]
+        largest = np.maximum(largest, changes)
+    return float(largest[0]), float(largest[1]), float(largest[2])
+
+
+def _size(values: Array) -> float:
+    return max(float(np.abs(values).max()), 1e-300)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Springs with memory in the SoilDyn library beside `predict`: along sequences that turn back, in any direction."""
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -187,12 +188,15 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("kind", "first"), [(GAP, (0.0, 0.0, 0.0)), (FRICTIONAL, (0.0, 1.0, 0.5))])
 def test_between_the_planes_two_plates_carry_more_by_the_root_of_two(kind: int, first: tuple[float, ...]) -> None:
-    """Walls along u that have yielded in both planes, beside a spring that is much softer."""
+    """Walls along u, yielded in both planes, beside a much softer spring; w follows the ways of the walls."""
     rows = [winkler.element(d=1e3, B=(1e3, 0.0, 1e3)), winkler.element(kind, first, (1.0, 0.0, 1e8), 1e-3)]
     model = build_memory(Springs.of(winkler.with_invented_memory(np.array(rows))))
-    H, M = error_between_planes(model.elements)
+    elements = replace(model.elements, shares=replace(model.elements.shares, growth=np.inf))
+    H, M, w = error_between_planes(elements, np.array([0.0, 1.0, 0.0, 0.0]))
     assert pytest.approx(np.sqrt(2.0) - 1.0, rel=0.01) == H
     assert pytest.approx((kind == FRICTIONAL) * 0.5 * H, rel=0.02) == M
+    x, d = 0.5 * elements.reach, 1e-3
+    assert pytest.approx(2.0 * (np.sqrt(0.5) * x - d) / (x - d) - 1.0, rel=1e-6) == w
 
 
 def test_more_numbers_than_a_point_has_are_refused_before_the_library_reads_them() -> None:

@@ -173,6 +173,7 @@ def _element_lines(model: MacroModel) -> Iterator[str]:
     yield "! kind (0 plastic, 1 gap, 2 reversible, 3 frictional), g11, g12, g22, b11, b12, b22 [N/m], d [m], a, h [m],"
     yield "! of a gap g11 [m]: by how much its walls press on the plate at rest,"
     yield "! of a frictional one g11, g12: direction of the friction, g22: its coefficient,"
+    yield "! of both b11, b12: direction of the walls, b22: their stiffness [N/m],"
     yield "! then its direction (px, py, pz), without one it takes both planes,"
     yield "! then the factors of w and V [1, N/m]: two of the way, two of the stored part"
     yield from (_row("", row) for row in elements.rows)
