@@ -117,14 +117,19 @@ _FALL = 0.02  # of the largest strain: a reading that scatters
 def _check(table: Table, rows: NDArray[np.intp], test: LabTest, kind: ElementTest) -> None:
     """Note strains, signs and stresses of a test that have another unit or sign, loops, and two tests in one."""
     name, (first, *_) = MEASURED[kind]
-    strain, stress = np.abs(test.columns[name]), test.columns[first] * (-1.0 if kind == "triaxial-extension" else 1.0)
+    turn = -1.0 if kind == "triaxial-extension" else 1.0
+    strain, stress = np.abs(test.columns[name]), turn * test.columns[first]
     if not (np.isfinite([strain, stress]).all() and test.stress > 0.0):
         return  # noted already
     if strain.max() > 1.0:
         text = f"a strain of {100.0 * strain.max():.4g} %, beyond 100 %: is the unit right, [%] or [-]?"
         table.fault(int(rows[strain.argmax()]), name, text)
+    if name == "axial_strain" and "volumetric_strain" in test.columns and turn * test.columns[name].sum() < 0.0:
+        k = int(strain.argmax())
+        text = f"{100.0 * test.columns[name][k]:.4g} %: axial and volumetric strain are positive in compression"
+        table.fault(int(rows[k]), name, text)
     if stress.min() < -0.1 * max(float(stress.max()), 0.0):
-        sign = "negative in extension" if kind == "triaxial-extension" else "positive in compression"
+        sign = "negative in extension" if turn < 0.0 else "positive in compression"
         value = f"{1e-3 * test.columns[first][stress.argmin()]:.4g} kPa"
         text = f"{value}: this stress is {sign}; leave out rows without a value"
         table.fault(int(rows[stress.argmin()]), first, text)

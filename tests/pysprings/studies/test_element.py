@@ -164,6 +164,10 @@ def test_of_two_layers_of_one_name_the_depth_decides(scene: Path, tmp_path: Path
         (HEAD.replace("%", "-") + ROWS, "lab.csv:6: axial strain [-]: a strain of 500 %, beyond 100 %: is the unit"),
         (HEAD.replace("q [kPa]", "q [MPa]") + ROWS, "lab.csv:6: q [MPa]: 3.4e+05 kPa is 3.4e+03 times the consolid"),
         (HEAD.replace("s [kPa]", "s [MPa]") + ROWS, "lab.csv:6: q [kPa]: 340 kPa is 0.0034 times the consolidation"),
+        (
+            HEAD.replace("\n", ",epsv [%]\n") + "100,0,0,0\n100,-1,90,0.2\n100,-5,250,3\n",
+            "lab.csv:4: axial strain [%]: -5 %: axial and volumetric strain are positive in compression",
+        ),
         (HEAD + ROWS + "100,10,-9999\n", "lab.csv:7: q [kPa]: -9999 kPa: this stress is positive in compression"),
         (
             HEAD + ROWS + "100,0,0\n100,2,150\n",
