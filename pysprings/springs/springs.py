@@ -165,7 +165,7 @@ class Springs:
         if not self.of_atlas:
             return ()
         words = OF_ATLAS.format(self.attrs["source"], self.attrs.get("atlas_cases", "?"))
-        return tuple(filter(None, (words, str(self.attrs.get("atlas_mesh", "")))))
+        return tuple(filter(None, (words, *(str(self.attrs.get(name, "")) for name in ("atlas_mesh", "remarks")))))
 
     @property
     def first_steps(self) -> bool:

@@ -23,6 +23,7 @@ from pysprings.macro.batch import predict_batch
 from pysprings.macro.fan_springs import BAND
 from pysprings.results.look import BLUE, GREY, VERMILLION
 from pysprings.scene.changes import VERTICAL_LOAD, Change, vertical_load
+from pysprings.scene.defaults import implausible
 from pysprings.springs.path import paths_of
 
 if TYPE_CHECKING:
@@ -249,6 +250,7 @@ def remarks_on(search: Search, best: Candidate, confirmed: bool) -> list[str]:
         load = V if isinstance(V, str) else with_prefix(V, "N")
         texts += [f"cases without V are at that of the scene, {load}"] * bool(np.isnan(cases.V[rows[0]]))
         texts += [f"V {load}: {edge}" for edge in atlas.estimate(scene).outside]
+        texts += [text for text in implausible(scene) if text not in texts]
     alone = ", ".join(name for name, lateral in zip(cases.name, cases.lateral, strict=True) if not lateral)
     texts += [f"{alone}: no lateral load: an atlas judges no V alone"] * bool(alone)
     if best.governs.startswith(EDGE):

@@ -191,6 +191,9 @@ class Atlas:
         D, L = scene.caisson.outer_diameter, scene.caisson.skirt_length
         matrix = stiffness_of(factor, sizes.force, sizes.ratio, D, L)
         settled = self.settlement.at(point)[0] * D / sizes.ratio
+        if self.family.at_rest is not None:  # from V = 0 on as the full models, and to there by the weight of the scene
+            unloaded = self.settlement.at(self.point(np.append(inputs[:-1], 0.0)))[0] * D / sizes.ratio
+            settled -= unloaded + self.family.at_rest(scene) / matrix[1, 1]
         return Estimate(values, modes, matrix, _log_errors(factor, spread), settled, outside)
 
 

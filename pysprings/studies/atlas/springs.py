@@ -14,6 +14,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.version import __version__
+from pysprings.scene.defaults import implausible
 from pysprings.scene.model import Scene
 from pysprings.springs.checks import SCHEMA
 from pysprings.springs.springs import SPREAD
@@ -165,7 +166,7 @@ def _root(atlas: Atlas, scene: Scene, estimate: Estimate, V: float) -> xr.Datase
         "caisson_behaviour": "rigid", "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
         "limit_rotation_rad": scene.limit.rotation, "atlas": "; ".join(f"{k}: {v}" for k, v in atlas.about.items()),
         "atlas_outside": "; ".join(estimate.outside), "atlas_mesh": mesh_words(atlas),
-        "atlas_cases": len(atlas.inputs),
+        "atlas_cases": len(atlas.inputs), "remarks": "; ".join(implausible(scene)),
         "K_V_relative_deviation": float(errors[0]), "K_H_relative_deviation": float(errors[1]),
         "K_M_relative_deviation": float(errors[2]),
     }  # fmt: skip

@@ -203,6 +203,9 @@ def test_remarks_name_the_vertical_load_that_cases_do_not_give_and_what_is_not_j
     assert [text[:30] for text in texts[:3:2]] == ["V 3 MN: in a corner of the atl", "V 2 MN: in a corner of the atl"]
     assert "b: no lateral load: an atlas judges no V alone" in texts
     assert texts[-1].startswith("the full model confirms the tilt, not the utilisation, on mesh 'coarse'")
+    heavy = Search(loaded.atlas, replace(search.wanted, changes=tuple(read_changes(["gamma=25 kN/m^3", "E=200 MPa"]))))
+    texts = remarks_on(heavy, Candidate(6.0, 6.0, 1e5, 0.9, "", True), False)
+    assert len([text for text in texts if "25 kN/m^3 is outside the common range" in text]) == 1
     inside = Candidate(8.0, 6.0, 1e5, 0.9, "extreme: tilt", True)
     assert remarks_on(replace(loaded, tried=[]), inside, False) == []
 

@@ -66,6 +66,8 @@ class Family:
     scaled : values that an atlas has in proportion.
     short : short names of keys for the command line.
     odd : scene, base -> further reasons why an atlas does not cover the scene.
+    at_rest : scene -> vertical load [N] of its initial contact stresses, where no input follows the weight of the ground;
+        the last input is then V.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Family:
     scaled: tuple[Scaled, ...] = ()
     short: Mapping[str, str] = field(default_factory=dict)
     odd: Callable[[Scene, Scene], Iterator[Problem]] = lambda _scene, _base: iter(())
+    at_rest: Callable[[Scene], float] | None = None
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""

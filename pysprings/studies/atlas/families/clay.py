@@ -67,6 +67,12 @@ def _sizes(scene: Scene) -> Sizes:
     return Sizes(strength_at_half(scene) * D * (L + D), float(ratio))
 
 
+def _at_rest(scene: Scene) -> float:
+    """Return the vertical load [N] that the initial stress below the skirt tip carries."""
+    D, t = diameter(scene), scene.caisson.skirt_thickness
+    return float(scene.ground.vertical_stress(np.array([scene.caisson.skirt_length]))[0]) * np.pi * (D - t) * t
+
+
 def _odd(scene: Scene, _base: Scene) -> Iterator[Problem]:
     """Yield a problem for a strength that is not linear, or an adhesion that differs between surfaces."""
     su = first_layer(scene).undrained_shear_strength
@@ -106,6 +112,7 @@ FAMILY = Family(
         "V": "caisson.vertical_load",
     },
     odd=_odd,
+    at_rest=_at_rest,
 )  # fmt: skip
 
 _WEIGHT = "effective_unit_weight"
@@ -134,4 +141,5 @@ GAP_FAMILY = replace(
     even=_even_gap,
     short={**FAMILY.short, "gamma": f"soil.layer.clay.{_WEIGHT}"},
     odd=_odd_gap,
+    at_rest=None,
 )

@@ -121,6 +121,26 @@ def test_a_vertical_load_softens_the_lateral_springs(atlas):
         assert float(pysprings.impose(made, u=0.008, arm=8.0)["H"]) == pytest.approx(known, rel=0.05)
 
 
+@pytest.mark.parametrize(
+    ("ground", "V", "known"),
+    [
+        (("su=12 kPa", "gradient=1.5 kPa/m"), "0 MN", -0.229e-3),
+        (("su=100 kPa", "gradient=12.5 kPa/m"), "0 MN", -0.0275e-3),
+        (("su=100 kPa", "gradient=12.5 kPa/m"), "5 MN", 1.272e-3),
+    ],
+)
+def test_w_at_rest_is_that_of_the_weight_of_the_scene(atlas, ground, V, known):
+    """Beside full models on the mesh `coarse` (D 9 m, L 6 m, G/su 300, alpha 0.65): w from the initial contact stress."""
+    made = springs(atlas, 9.0, 6.0, *ground, "G/su=300", "alpha=0.65", f"V={V}")
+    assert float(pysprings.predict(made, H=0.0)["w"]) == pytest.approx(known, rel=0.16)
+
+
+def test_an_answer_has_the_values_that_are_beyond_their_common_range(atlas):
+    asked = {su: pysprings.predict(springs(atlas, 9.0, 6.0, f"su={su}"), H=1e5) for su in ("12 kPa", "12 MPa")}
+    assert len(asked["12 kPa"].attrs["remarks"]) == 1
+    assert "outside the common range 0.5 to 300 kPa: 1000 times too large?" in asked["12 MPa"].attrs["remarks"][-1]
+
+
 def test_a_gap_outside_softens_the_springs_and_weight_closes_it():
     """Full models of the pulls-scenes of the studies under 1 MN, pulled at mudline, carry what stands here [N]."""
     gap, bonded = (pysprings.open_atlas(name) for name in ("clay-gap", "clay"))
