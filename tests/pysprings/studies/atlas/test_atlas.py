@@ -130,7 +130,7 @@ def test_a_vertical_load_softens_the_lateral_springs(atlas):
     ],
 )
 def test_w_at_rest_is_that_of_the_weight_of_the_scene(atlas, ground, V, known):
-    """Beside full models on the mesh `coarse` (D 9 m, L 6 m, G/su 300, alpha 0.65): w from the initial contact stress."""
+    """Beside full models on `coarse` (D 9 m, L 6 m, G/su 300, alpha 0.65): w from the initial contact stress."""
     made = springs(atlas, 9.0, 6.0, *ground, "G/su=300", "alpha=0.65", f"V={V}")
     assert float(pysprings.predict(made, H=0.0)["w"]) == pytest.approx(known, rel=0.16)
 
