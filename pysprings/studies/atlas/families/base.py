@@ -66,7 +66,7 @@ class Family:
     scaled : values that an atlas has in proportion.
     short : short names of keys for the command line.
     odd : scene, base -> further reasons why an atlas does not cover the scene.
-    at_rest : scene -> vertical load [N] of its initial contact stresses, where no input follows the weight of the ground;
+    at_rest : scene -> vertical load [N] of its initial contact stresses, where no input follows the weight of the soil;
         the last input is then V.
     """
 
