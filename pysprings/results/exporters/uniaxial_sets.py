@@ -287,6 +287,11 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
     return made.model.on_rows(together(stack(rows, straight=True), made.planes))
 
 
+def _is_under(path: SpringPath, V: float) -> bool:
+    """Return whether springs at V [N] hold on the whole of a path."""
+    return bool(close_loads(path.given_loads, V).all())
+
+
 def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
     """Return a sentence for calibration and held-back paths: largest errors beside the full model, and their paths.
 
@@ -297,7 +302,7 @@ def errors_by_role(springs: Springs, model: MacroModel, what: str) -> list[str]:
     for path in springs.paths.values():
         if path.is_vertical:
             continue
-        if not close_loads(path.given_loads, V).all():
+        if not _is_under(path, V):
             elsewhere |= path.role == HELD_BACK
             continue
         answer = along_path(path, model)
@@ -384,10 +389,13 @@ def masing(q: Array, f: Array, x: Array) -> Array:
 
 
 def errors_on_reversals(springs: Springs, made: Uniaxial, tables: list[Table]) -> list[str]:
-    """Return a sentence for each lateral path that turns back: H and M of Masing's rule beside the full model."""
-    lines = []
+    """Return a sentence for each lateral path that turns back: H and M of Masing's rule beside the full model.
+
+    Paths at another V than that of the springs, or under one that changes, count for nothing here.
+    """
+    lines, V = [], springs.path().load
     for path in springs.paths.values():
-        if path.is_vertical or not path.turns_back:
+        if path.is_vertical or not path.turns_back or not _is_under(path, V):
             continue
         u, rotation = path.u - path.u[0], path.rotation - path.rotation[0]
         found = masing_loads(made, tables, u, rotation)

@@ -46,6 +46,8 @@ def test_the_label_of_hysteresis_has_its_error_on_paths_that_turn_back() -> None
     path = path.isel(step=steps).assign_coords(step=np.arange(len(steps)))
     path.attrs |= {"role": "held-back", "then_parts": 1}
     springs["paths/back"] = xr.DataTree(path)
+    pressed = path.assign(V=path["V"] * np.linspace(1.0, 3.0, len(steps)))  # V is no error of the rule
+    springs["paths/pressed"] = xr.DataTree(pressed.assign_attrs(heave="free"))
     made = uniaxial(Springs.of(fan))
     given = tables(made, 401)
     assert "not known" in errors_on_reversals(Springs.of(fan), made, given)[0]
