@@ -8,8 +8,9 @@ from pathlib import Path
 
 from pysprings.core.variables import known_torsion
 from pysprings.macro.fan import has_fan
-from pysprings.macro.model import MacroModel
+from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.space import SpaceAnswers
+from pysprings.macro.spring_sets import MEMORY
 from pysprings.results.exporters.base import Exported, Options, Source, Target
 from pysprings.results.exporters.header import BACKBONE, header, springs_at, torsion_words
 from pysprings.results.exporters.soildyn.library import library_input, library_name, matrix_input, spring_text
@@ -19,9 +20,10 @@ _SPRING_FILE = "caisson.txt"
 _NO_FAN = "no nonlinear foundation: it needs a fan of load paths (template 'fan'); the matrices are linear"
 _BUILD = "build the library with: pysprings soildyn DIR; OpenFAST loads {library} from its working folder"
 _LOST = {
-    "fan": ("nonlinear elastic: no hysteresis, no memory of earlier loads (`springs=memory` has one)",),
+    "fan": ("nonlinear elastic: no hysteresis, no memory of earlier loads",),
     "memory": ("no degradation by the number of cycles", "a vertical load that changes: the elements hold for one"),
 }  # fmt: skip
+_OTHER = "`springs=memory` has elements that remember earlier loads"
 _READ = "SubDyn 5.0.0 writes NaN for base reactions with a library: read Sld1Fxg and the like"
 _CYCLES = "elements that remember reversals, for tens of cycles"
 
@@ -34,7 +36,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     kind = str(options["springs"])
     model = MacroModel.from_springs(at.whole or at, kind, V=load)
     elements, torsion = model.response.element_rows, known_torsion(model.attrs)
-    lost = [*_LOST[kind], *model.response.plane_notes()]
+    lost = [*_LOST[kind], *[_OTHER] * (kind == "fan" and MEMORY.name in spring_sets(at)), *model.response.plane_notes()]
     lost += [SpaceAnswers.of(at).errors] if elements.in_space else []
     lost += [*([] if elements.twists else [torsion_words(torsion)]), _READ]
     use = _CYCLES if len(elements.rows) else BACKBONE

@@ -21,7 +21,7 @@ from pysprings.results.exporters.soildyn.library import spring_text
 from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
 from tests.support.foundation import FORCE, Point, PointOn, needs_compiler
-from tests.support.vertical import REST
+from tests.support.vertical import REST, fan_with_vertical
 
 pytestmark = needs_compiler
 
@@ -184,6 +184,13 @@ def test_the_export_states_what_the_planes_change(tmp_path: Path) -> None:
     text = (tmp_path / "caisson.txt").read_text()
     assert any("one gauge of the motion in both planes" in remark for remark in done.remarks)
     assert line in text and "not cyclic" not in text and "\nelements 97\n" in text
+
+
+def test_a_fan_names_springs_with_memory_where_there_are_some(tmp_path: Path) -> None:
+    for springs, there in ((winkler.with_invented_memory(), True), (fan_with_vertical(), False)):
+        remarks = export(springs, "openfast", tmp_path).remarks
+        assert any("no memory of earlier loads" in each for each in remarks)
+        assert any("`springs=memory`" in each for each in remarks) == there
 
 
 @pytest.mark.parametrize(("kind", "first"), [(GAP, (0.0, 0.0, 0.0)), (FRICTIONAL, (0.0, 1.0, 0.5))])
