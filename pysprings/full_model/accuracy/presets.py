@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import ValidationError
 
-from pysprings.core.errors import refused
+from pysprings.core.errors import UserInputError, refused
 from pysprings.core.words import Discretisation
 from pysprings.full_model.accuracy.target import JUDGED
 
@@ -87,7 +87,11 @@ class Setting:
             raise refused("--mesh", f"{own} {self.mesh}, not in [{COARSEST_FACTOR:g}, {FINEST_FACTOR:g}]")
         mesh = {"preset": self.mesh, "refinement": refinement, "azimuth": None,
                 "discretisation": self.discretisation, "harmonics": self.harmonics}  # fmt: skip
-        return scene.replace(mesh=mesh, solver=dict(self.solver))
+        try:
+            return scene.replace(mesh=mesh, solver=dict(self.solver))
+        except ValidationError as error:
+            why = "; ".join(each["msg"].strip() for each in error.errors(include_url=False))
+            raise refused("--mesh", f"'{self.name}': {why}") from None
 
 
 def settings(
@@ -167,7 +171,7 @@ def carries_series(scene: Scene) -> bool:
     """Return whether a scene can be run with Fourier series."""
     try:
         read_mesh(f"{FOURIER}-coarse").scene(scene.replace(mesh={"refinement": 1.0, "azimuth": None}))
-    except ValidationError:
+    except (UserInputError, ValidationError):
         return False
     return True
 

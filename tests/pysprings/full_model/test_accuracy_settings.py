@@ -100,6 +100,16 @@ def test_a_factor_beyond_the_range_with_that_of_the_scene_is_refused() -> None:
         read_mesh("medium:4").scene(tiny.paper(mesh={"refinement": 4.0}))
 
 
+def test_a_mesh_that_the_scene_cannot_have_is_refused() -> None:
+    """It ended as a bug of the program."""
+    twist = {"name": "turn", "kind": "twist", "twist": 1e-3, "role": "held-back"}
+    with pytest.raises(UserInputError, match=r"--mesh: 'coarse': .*path 'turn' leaves the plane"):
+        read_mesh("coarse").scene(tiny.paper(paths=(twist,), mesh={"discretisation": "fourier", "azimuth": None}))
+    for count in (0, 99):
+        with pytest.raises(UserInputError, match=f"--mesh: 'fourier-coarse-N{count}': {count} is not in"):
+            read_mesh(f"fourier-coarse@{count}").scene(tiny.paper(mesh={"azimuth": None}))
+
+
 def test_quick_is_a_family_with_ever_more_sectors() -> None:
     series = [each for each in settings(quick=True) if each.series]
     assert [counts_of(each.scene(tiny.paper())).azimuth for each in series] == [4, 8, 12]
