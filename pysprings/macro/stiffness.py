@@ -19,7 +19,7 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MOTIONS
 from pysprings.core.words import sudden
-from pysprings.macro.answer import Care
+from pysprings.macro.answer import Care, trace
 from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import Asking, impose, model_of, predict
@@ -32,9 +32,11 @@ W_APART = (
     "w is not coupled with u and rotation, and its stiffness is that under V alone: a lateral load softens it "
     "(in sand to 0.8, 0.5, 0.3 of it at 20, 40, 70 % of the range)"
 )
+W_COUPLED = "w is coupled with u and rotation as the springs at several vertical loads have it"
 FULL_MODEL = "initial stiffness of the full model"
 FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
 GAUSS = 64  # points of the mean along the way
+_SMALL = 0.05, 1e-4  # steps of differences: of V over the range of its sets, of a motion over its size
 
 
 class Form(TypedDict, total=False):
@@ -160,8 +162,10 @@ def six_at_state(model: MacroModel, state: xr.Dataset, form: Form) -> xr.DataArr
     """Return the stiffness (6, 6) of the springs at one state; see `stiffness_six`."""
     plane, name = _at_state(model, state, form)
     across, _ = _at_state(model, state, Form(secant=True, symmetric=form.get("symmetric", False)))
-    six = _six(in_form(plane, form), in_form(across, form), torsion_of(model), (name, form))
-    return six.assign_attrs(vertical=W_APART)
+    plane = in_form(plane, form)
+    six = _six(plane, in_form(across, form), torsion_of(model), (name, form))
+    six.values[2, [0, 4]], six.values[[0, 4], 2] = plane[1, [0, 2]], plane[[0, 2], 1]
+    return six.assign_attrs(vertical=W_COUPLED if plane[1, ::2].any() else W_APART)
 
 
 def secant(model: MacroModel, u: float, rotation: float, V: float | None = None, symmetric: bool = False) -> Array:
@@ -234,11 +238,44 @@ def _state(model: MacroModel, load: Load, asking: Asking) -> xr.Dataset:
 
 def _at_state(model: MacroModel, state: xr.Dataset, form: Form) -> tuple[Array, str]:
     if not form.get("secant"):
-        return state["stiffness"].values, "tangent stiffness of the springs at the state"
+        return _coupled(model, state), "tangent stiffness of the springs at the state"
     model.response.check_state("secant")
     V = float(state["V"]) if "V" in state else None
     found = secant(model, float(state["u"]), float(state["rotation"]), V, form.get("symmetric", False))
     return found, "secant stiffness of the springs at the state"
+
+
+def _coupled(model: MacroModel, state: xr.Dataset) -> Array:
+    """Return the tangent at a state, with w coupled where V is between vertical loads of the springs.
+
+    A fan at several of them has H, M and w as functions of q = (u, rotation) and V, that is
+
+        d(H, M) = A dq + h dV,   dw = g dq + b dV,
+
+    which is solved for dV. At rest w is apart, by symmetry.
+    """
+    matrix: Array = state["stiffness"].values
+    loads = [each.V for each in model.whole.load_sets] if model.whole is not None else []
+    motion = np.array([float(state[name]) for name in ("u", "rotation")])
+    size = np.linalg.norm(motion * [1.0, model.length])
+    if model.spring_set != "fan" or len(loads) < 2 or not size:
+        return matrix
+    V = float(np.clip(state["V"], loads[0], loads[-1]))
+    if not same_load(V, float(state["V"])):
+        return matrix
+
+    def at(motion: Array, V: float) -> Array:
+        found = trace(model.under(V), "state", motion[None], 0.0, V).isel(step=-1)
+        return np.array([float(found[name]) for name in ("H", "M", "w")])
+
+    low, high = (float(np.clip(V + sign * _SMALL[0] * (loads[-1] - loads[0]), loads[0], loads[-1])) for sign in (-1, 1))
+    *h, b = (at(motion, high) - at(motion, low)) / (high - low)
+    steps = _SMALL[1] * size / np.array([1.0, model.length])
+    g = np.array([(at(motion + d, V) - at(motion - d, V))[2] / (2.0 * d.sum()) for d in np.diag(steps)])
+    coupled = np.zeros((3, 3))
+    coupled[::2, ::2] = matrix[::2, ::2] - np.outer(h, g) / b
+    coupled[::2, 1], coupled[1] = np.array(h) / b, np.array([-g[0], 1.0, -g[1]]) / b
+    return coupled
 
 
 def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> MacroModel:

@@ -35,6 +35,7 @@ _HEAD = (
 AT_REST = (
     "linear: stiffness at rest, which the caisson has at no load; beside it secants of the springs, and its errors"
 )
+_UP = (1.0, 1.0, -1.0, 1.0, 1.0, 1.0)  # z of the programs over w, which is down
 # of the option at: unit, and an example
 LOADS = {"H": ("N", "2 MN"), "M": ("N m", "40 MN m"), "V": ("N", "2 MN"), "arm": ("m", "60 m")}
 _SECANTS = (
@@ -77,7 +78,7 @@ def linear(springs: Springs, options: Options) -> Linear:
     with warnings.catch_warnings(record=True) as marks:
         warnings.simplefilter("always", MacroWarning)
         found = stiffness_six(springs, **question)
-    matrix, name = found.values + 0.0, str(found.attrs["long_name"])
+    matrix, name = found.values * np.outer(_UP, _UP) + 0.0, str(found.attrs["long_name"])
     words = f"linear: {name} ({options['at']}); x along that load; beside it secants of the springs, and its errors"
     lateral = matrix[np.ix_([0, 4], [0, 4])]
     notes = [*(f"supported in part: {each.message}" for each in marks), str(found.attrs["vertical"])]

@@ -75,6 +75,36 @@ def test_out_of_the_plane_the_response_does_not_depend_on_the_direction(bent: Ma
     assert six[0, 4] < 0.0 < six[1, 3]
 
 
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
+@pytest.mark.parametrize("share", [1.2, 1.6, 2.0])
+def test_between_springs_at_two_vertical_loads_w_is_coupled(share: float) -> None:
+    """The matrix times a small change of the motion is that of the loads, V among them; also at the heavier one."""
+    springs = vertical_springs(heavier=(2.0 * REST,))
+    loads = np.array([1.5e5, share * REST, 3e5])
+    K = stiffness(springs, **dict(zip("HVM", loads, strict=True))).values
+
+    def motion(loads: np.ndarray) -> np.ndarray:
+        state = predict(springs, **dict(zip("HVM", loads, strict=True)))
+        return np.array([float(state[name]) for name in ("u", "w", "rotation")])
+
+    inward = 1e-3 * (1.0 if share < 2.0 else -1.0)
+    for change in inward * loads * np.array([[1.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 1.0], [1.0, 5.0, -1.0]]):
+        moved = motion(loads + change) - motion(loads)
+        np.testing.assert_allclose(K @ moved, change, atol=5e-3 * np.abs(change).max())
+    six = stiffness_six(springs, **dict(zip("HVM", loads, strict=True)))
+    np.testing.assert_allclose(six.values[np.ix_([0, 2, 4], [0, 2, 4])], K)
+    assert K[1, 0] and K[0, 1] and six.attrs["vertical"].startswith("w is coupled")
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
+@pytest.mark.parametrize(("heavier", "V"), [((), 1.05 * REST), ((2.0 * REST,), 2.1 * REST)])
+def test_elsewhere_the_stiffness_of_w_is_that_under_v_alone(heavier: tuple[float, ...], V: float) -> None:
+    springs = vertical_springs(heavier=heavier)
+    six, alone = stiffness_six(springs, H=1.5e5, V=V), stiffness(springs, V=V)
+    assert not six.values[2, [0, 4]].any() and six.values[2, 2] == pytest.approx(float(alone[1, 1]))
+    assert six.attrs["vertical"].startswith("w is not coupled") and "vertical" not in stiffness_six(springs).attrs
+
+
 def test_questions_without_an_answer_are_refused(bent: MacroModel) -> None:
     for asked in ({"H": 1e5, "reference_depth": "4 m"}, {"reference_depth": float("nan")}, {"H": "1 MN"}):
         with pytest.raises(UserInputError):
