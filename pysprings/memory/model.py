@@ -273,7 +273,7 @@ class MemorySprings(FanSprings):
     def _water(self, motions: Array, time: Array) -> Array | float:
         """Return p_water (rows, n) along motions (n, 2) [m], in steps of the largest size; NaN where not known."""
         water = self.elements.shares.water
-        if water is None:
+        if water is None or not len(motions):
             return np.nan
         ways = np.hypot(*np.diff(motions, axis=0, prepend=0.0).T)
         ends = np.ceil(np.maximum(ways / self.elements.largest, 1.0)).cumsum()

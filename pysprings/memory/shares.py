@@ -187,7 +187,7 @@ class Shares:
         """
         carried = loads_of(rows, e)
         out = np.repeat(self.rest[:, None], len(e), axis=1)
-        out[self.odd] += self.loads @ carried.T + self.elastic @ e.reshape(len(e), -1).T
+        out[self.odd] += self.loads @ carried.T + self.elastic @ e.reshape(len(e), self.elastic.shape[1]).T
         out[~self.odd] += self.even @ even_motions(rows, e, p, self.growth).T
         return out
 

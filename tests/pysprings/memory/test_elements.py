@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import BeyondSprings, UserInputError
-from pysprings.macro.answer import trace
+from pysprings.macro.answer import PredictionNotConverged, trace
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.cycles import Followed, cycles, errors, follow_path, reaction_errors, sequences
 from pysprings.macro.fan import FanTable, build_fan
@@ -257,6 +257,13 @@ def test_a_load_at_a_height_is_followed_by_u() -> None:
     assert message == ""
     np.testing.assert_allclose(states[:, 0], [2e-3, -1e-3, 3e-3], rtol=1e-9)
     np.testing.assert_allclose(loads[:, 1], arm * loads[:, 0], rtol=1e-5)
+
+
+def test_a_first_load_that_the_elements_do_not_carry_is_refused() -> None:
+    """No state is reached, and the answer has none."""
+    springs = winkler.with_invented_memory(np.array([element(d=1e-3)]))
+    with pytest.raises(PredictionNotConverged, match="no equilibrium beyond .* no step was reached"):
+        sequence(springs, np.array([[1e12, 0.0]]), springs_kind="memory", extrapolate=True)
 
 
 def test_more_than_the_elements_carry_is_named() -> None:

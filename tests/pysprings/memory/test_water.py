@@ -49,6 +49,11 @@ def model(seed: int = 1) -> MemorySprings:
     return winkler.remembering(replace(elements, shares=replace(elements.shares, water=water)), table(), rate=RATE)
 
 
+def test_a_way_without_states_has_no_reactions_and_no_water() -> None:
+    """As under a first load that the elements do not carry."""
+    assert model().reactions(np.zeros((0, 2))).shape == (len(table().name), 0)
+
+
 def test_pressure_builds_up_and_drains_as_a_maxwell_body() -> None:
     """At a speed v: v T (1 - exp(-t/T)); in a rest it decays with exp(-t/T); without drainage it is the motion."""
     v, T = 2e-4, 5.0
