@@ -262,7 +262,7 @@ def test_a_load_at_a_height_is_followed_by_u() -> None:
 def test_a_first_load_that_the_elements_do_not_carry_is_refused() -> None:
     """No state is reached, and the answer has none."""
     springs = winkler.with_invented_memory(np.array([element(d=1e-3)]))
-    with pytest.raises(PredictionNotConverged, match="no equilibrium beyond .* no step was reached"):
+    with pytest.raises(PredictionNotConverged, match="no step was reached"):
         sequence(springs, np.array([[1e12, 0.0]]), springs_kind="memory", extrapolate=True)
 
 
