@@ -247,7 +247,8 @@ class CyclicTable(Field):
         given = {key: each for key, each in given.items() if each is not None}
         if {*given} - {"average", "name"} not in ({"contours", "cycles"}, {"contours", "parcels", "utilisation"}):
             example = '{ contours = "file.csv", cycles = 10, average = 0.3 }'
-            raise refuse(f"expected a table {example}, or parcels and utilisation for cycles, got {quoted(value)}")
+            have = f"one with {', '.join(value) or 'no key'}" if isinstance(value, Mapping) else quoted(value)
+            raise refuse(f"expected a table {example}, or parcels and utilisation for cycles, got {have}")
         wrong, read = list[str](), dict[str, Any]()
         for name, each in given.items():
             try:
