@@ -35,6 +35,7 @@ W_APART = (
 W_COUPLED = "w is coupled with u and rotation as the springs at several vertical loads have it"
 FULL_MODEL = "initial stiffness of the full model"
 FIRST_STEPS = "stiffness of the first recorded steps of the table"  # no full model stands behind a table
+_TANGENT = "tangent stiffness of the springs at the state"
 GAUSS = 64  # points of the mean along the way
 _SMALL = 0.05, 1e-4  # steps of differences: of V over the range of its sets, of a motion over its size
 
@@ -152,10 +153,13 @@ def _name_of(attrs: Mapping[Any, Any]) -> str:
 
 def at_states(model: MacroModel, states: xr.Dataset, form: Form) -> xr.DataArray:
     """Return the stiffness (step, 3, 3) of the springs at the states of an answer (dimension step)."""
-    rows = [_at_state(model, states.isel(step=step), form) for step in range(states.sizes["step"])]
-    name = rows[0][1]
-    one = _array(rows[0][0], name, form)
-    return xr.concat([one.copy(data=in_form(matrix, form)) for matrix, _ in rows], "step")
+    if form.get("secant"):
+        rows = [_at_state(model, states.isel(step=step), form) for step in range(states.sizes["step"])]
+        name, matrices = rows[0][1], [matrix for matrix, _ in rows]
+    else:
+        name, matrices = _TANGENT, list(_coupled(model, states))
+    one = _array(matrices[0], name, form)
+    return xr.concat([one.copy(data=in_form(matrix, form)) for matrix in matrices], "step")
 
 
 def six_at_state(model: MacroModel, state: xr.Dataset, form: Form) -> xr.DataArray:
@@ -238,44 +242,58 @@ def _state(model: MacroModel, load: Load, asking: Asking) -> xr.Dataset:
 
 def _at_state(model: MacroModel, state: xr.Dataset, form: Form) -> tuple[Array, str]:
     if not form.get("secant"):
-        return _coupled(model, state), "tangent stiffness of the springs at the state"
+        return _coupled(model, state.expand_dims("step"))[0], _TANGENT
     model.response.check_state("secant")
     V = float(state["V"]) if "V" in state else None
     found = secant(model, float(state["u"]), float(state["rotation"]), V, form.get("symmetric", False))
     return found, "secant stiffness of the springs at the state"
 
 
-def _coupled(model: MacroModel, state: xr.Dataset) -> Array:
-    """Return the tangent at a state, with w coupled where V is between vertical loads of the springs.
+def _coupled(model: MacroModel, states: xr.Dataset) -> Array:
+    """Return the tangents (n, 3, 3) at states (step), with w coupled where V is between vertical loads of a fan.
 
-    A fan at several of them has H, M and w as functions of q = (u, rotation) and V, that is
+    At rest w is apart, by symmetry.
+    """
+    matrices: Array = states["stiffness"].values.copy()
+    loads = [each.V for each in model.whole.load_sets] if model.whole is not None else []
+    if model.spring_set != "fan" or len(loads) < 2:
+        return matrices
+    motions, V = np.stack([states["u"].values, states["rotation"].values], axis=1), states["V"].values
+    within = np.clip(V, loads[0], loads[-1])
+    inside = np.array([same_load(*pair) for pair in zip(V, within, strict=True)]) & motions.any(axis=1)
+    for one in np.unique(within[inside]):
+        here, d = inside & (within == one), _SMALL[0] * (loads[-1] - loads[0])
+        span = max(one - d, loads[0]), min(one + d, loads[-1])
+        matrices[here] = _with_w(model, motions[here], float(one), span, matrices[here])
+    return matrices
+
+
+def _with_w(model: MacroModel, motions: Array, V: float, span: tuple[float, float], matrices: Array) -> Array:
+    """Return tangents (n, 3, 3) with w coupled, from those without, at motions (n, 2) under V [N] in a span of V.
+
+    A fan at several vertical loads has H, M and w as functions of q = (u, rotation) and V, that is
 
         d(H, M) = A dq + h dV,   dw = g dq + b dV,
 
-    which is solved for dV. At rest w is apart, by symmetry.
+    which is solved for dV.
     """
-    matrix: Array = state["stiffness"].values
-    loads = [each.V for each in model.whole.load_sets] if model.whole is not None else []
-    motion = np.array([float(state[name]) for name in ("u", "rotation")])
-    size = np.linalg.norm(motion * [1.0, model.length])
-    if model.spring_set != "fan" or len(loads) < 2 or not size:
-        return matrix
-    V = float(np.clip(state["V"], loads[0], loads[-1]))
-    if not same_load(V, float(state["V"])):
-        return matrix
 
-    def at(motion: Array, V: float) -> Array:
-        found = trace(model.under(V), "state", motion[None], 0.0, V).isel(step=-1)
-        return np.array([float(found[name]) for name in ("H", "M", "w")])
+    def at(motions: Array, V: float) -> Array:
+        found = trace(model.under(V), "state", motions, 0.0, V)
+        return np.stack([found[name].values[-len(motions) :] for name in ("H", "M", "w")], axis=1)
 
-    low, high = (float(np.clip(V + sign * _SMALL[0] * (loads[-1] - loads[0]), loads[0], loads[-1])) for sign in (-1, 1))
-    *h, b = (at(motion, high) - at(motion, low)) / (high - low)
-    steps = _SMALL[1] * size / np.array([1.0, model.length])
-    g = np.array([(at(motion + d, V) - at(motion - d, V))[2] / (2.0 * d.sum()) for d in np.diag(steps)])
-    coupled = np.zeros((3, 3))
-    coupled[::2, ::2] = matrix[::2, ::2] - np.outer(h, g) / b
-    coupled[::2, 1], coupled[1] = np.array(h) / b, np.array([-g[0], 1.0, -g[1]]) / b
-    return coupled
+    low, high = span
+    change = (at(motions, high) - at(motions, low)) / (high - low)
+    h, b = change[:, :2], change[:, 2]
+    size, sides = np.array([1.0, model.length]), np.eye(2)
+    steps = _SMALL[1] * np.linalg.norm(motions * size, axis=1)[:, None] / size
+    g = np.stack([
+        (at(motions + side * steps, V) - at(motions - side * steps, V))[:, 2] / (2.0 * steps @ side) for side in sides
+    ], axis=1)  # fmt: skip
+    found = np.zeros_like(matrices)
+    found[:, ::2, ::2] = matrices[:, ::2, ::2] - h[:, :, None] * (g / b[:, None])[:, None, :]
+    found[:, ::2, 1], found[:, 1, 1], found[:, 1, ::2] = h / b[:, None], 1.0 / b, -g / b[:, None]
+    return found
 
 
 def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> MacroModel:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
-from pysprings.macro.predict import MacroModel, model_of, predict
-from pysprings.macro.stiffness import secant, stiffness, stiffness_six
+from pysprings.macro.predict import MacroModel, curve, model_of, predict
+from pysprings.macro.stiffness import at_states, secant, stiffness, stiffness_six
 from tests.support.closed_forms import linear_springs
 from tests.support.vertical import REST, vertical_springs
 
@@ -94,6 +94,12 @@ def test_between_springs_at_two_vertical_loads_w_is_coupled(share: float) -> Non
     six = stiffness_six(springs, **dict(zip("HVM", loads, strict=True)))
     np.testing.assert_allclose(six.values[np.ix_([0, 2, 4], [0, 2, 4])], K)
     assert K[1, 0] and K[0, 1] and six.attrs["vertical"].startswith("w is coupled")
+    states = curve(springs, u_max=1e-4, V=loads[1], n=3)  # the first is at rest
+    tangents = at_states(model_of(springs, V=loads[1]), states, {}).values
+    for found, u, rotation in zip(tangents, states["u"].values, states["rotation"].values, strict=True):
+        alone = stiffness(springs, u=float(u), rotation=float(rotation), V=loads[1])
+        np.testing.assert_allclose(found, alone, rtol=1e-9, atol=1.0)
+    assert not tangents[0, 1, ::2].any()
 
 
 @pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
