@@ -93,8 +93,8 @@ def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]
     right-hand; w is down. Units: N/m for displacements, N/rad = N m/m between u_x and rot_y (u_y and rot_x), N
     m/rad for rotations. The caisson at rest is axisymmetric: what holds for (u_x, rot_y) holds for (u_y, -rot_x).
     At a state the block out of the plane of the load is the secant, as the response does not depend on the
-    direction of the plane, and w is apart (attribute `vertical`). Torsion is that of the full model at rest, at a
-    state, too; where none has computed it (a table, an atlas) it is 0, and stated so.
+    direction of the plane; attribute `vertical` has whether w is coupled. Torsion is that of the full model at rest, at
+    a state, too; where none has computed it (a table, an atlas) it is 0, and stated so.
 
     Raises
     ------
@@ -275,7 +275,7 @@ def _with_w(model: MacroModel, motions: Array, V: float, span: tuple[float, floa
 
         d(H, M) = A dq + h dV,   dw = g dq + b dV,
 
-    which is solved for dV.
+    which is solved for dV. Where w does not grow with V the tangent stays without.
     """
 
     def at(motions: Array, V: float) -> Array:
@@ -284,7 +284,7 @@ def _with_w(model: MacroModel, motions: Array, V: float, span: tuple[float, floa
 
     low, high = span
     change = (at(motions, high) - at(motions, low)) / (high - low)
-    h, b = change[:, :2], change[:, 2]
+    h, b = change[:, :2], np.where(change[:, 2] > 0.0, change[:, 2], np.nan)
     size, sides = np.array([1.0, model.length]), np.eye(2)
     steps = _SMALL[1] * np.linalg.norm(motions * size, axis=1)[:, None] / size
     g = np.stack([
@@ -293,7 +293,7 @@ def _with_w(model: MacroModel, motions: Array, V: float, span: tuple[float, floa
     found = np.zeros_like(matrices)
     found[:, ::2, ::2] = matrices[:, ::2, ::2] - h[:, :, None] * (g / b[:, None])[:, None, :]
     found[:, ::2, 1], found[:, 1, 1], found[:, 1, ::2] = h / b[:, None], 1.0 / b, -g / b[:, None]
-    return found
+    return np.where((b > 0.0)[:, None, None], found, matrices)
 
 
 def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> MacroModel:
