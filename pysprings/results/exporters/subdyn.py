@@ -97,7 +97,8 @@ def place_of(springs: Springs, text: str) -> tuple[Load, Springs]:
             raise refused("--option at", f"'{text}' is not above 0 and up to 100 % of the range of a lateral path")
         (step,) = _steps(motion, springs.length, (share,))
         own = Load(u=float(motion[0, step]), rotation=float(motion[1, step]), V=float(path.given_loads[step]))
-        return own, springs.answering(path)
+        here = springs.answering(path)
+        return own, here.whole or here
     found, problems = Load(), []
     for part in text.split(","):
         name, sign, value = (each.strip() for each in part.partition("="))

@@ -450,6 +450,23 @@ def test_the_matrix_at_a_load_times_the_motion_is_that_load(tmp_path: Path, prog
     )
 
 
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
+def test_the_tangent_at_a_share_of_a_path_between_two_vertical_loads_is_that_of_both(tmp_path: Path) -> None:
+    tree = vertical_springs(heavier=(3e6, 4e6))
+    between = tree["paths/slide_3"].to_dataset(inherit=False)
+    tree["paths/between"] = xr.DataTree(between.assign_attrs(role="held-back"))
+    springs = tree.filter(lambda node: not node.name or not node.name.endswith("_3"))
+    path = Springs.of(springs).paths["between"]
+    export(Source(springs), "subdyn", tmp_path, at="50 % of between", matrix="tangent")
+    step = int(np.argmin(np.abs(path.u - 0.5 * path.u.max())))
+    state = {"u": float(path.u[step]), "rotation": float(path.rotation[step]), "V": 3e6}
+    K = stiffness_six(springs, symmetric=True, **state).values
+    assert K[0, 2]
+    up = np.array([1, 1, -1, 1, 1, 1])  # w is down
+    found = matrix_of(read_ssi(tmp_path / "subdyn_ssi.dat"), "k")
+    np.testing.assert_allclose(found, K * np.outer(up, up), rtol=1e-6, atol=1.0)
+
+
 def test_the_vertical_tangent_at_a_share_of_a_path_is_that_under_its_load(tmp_path: Path) -> None:
     source, found = Source(vertical_springs(heavier=(3e6,))), list[float]()
     for at in ("50 % of slide_3", "H=0.1 MN, V=3 MN"):
