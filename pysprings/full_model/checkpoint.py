@@ -25,6 +25,7 @@ from fe_engine.linear.preconditioner import Origin
 from fe_engine.solve.step_size import StepSize
 from fe_engine.solve.stepping import Position
 from pysprings.core.errors import ResourceError, refused
+from pysprings.core.process import uninterrupted
 from pysprings.core.storage import leftovers, replacing
 from pysprings.core.words import StopReason
 from pysprings.core.written import CHECKPOINT, COMPANION, checkpoints_in, own_folder
@@ -266,8 +267,9 @@ def scene_identity(sha256: str) -> str:
     return f"sha256 {sha256}"
 
 
+@uninterrupted()  # one within a ZIP archive may end in a ValueError of its close
 def write(file: Path, saved: Saved) -> None:
-    """Write a checkpoint file; atomic, on the disk when this returns."""
+    """Write a checkpoint file; atomic, on the disk when this returns. An interrupt waits for it."""
     packed = io.BytesIO()
     meta = json.dumps(saved.meta, default=lambda value: value.tolist()).encode("utf-8")
     arrays: dict[str, Any] = {_META: np.frombuffer(meta, dtype=np.uint8), **saved.arrays}

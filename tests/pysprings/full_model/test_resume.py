@@ -397,6 +397,23 @@ def test_a_new_run_throws_old_checkpoints_away_once_it_has_its_own(stopped: Path
     assert set(contents(folder / "checkpoint")) == {"start.npz", "path-000.npz"}
 
 
+class Interrupting(np.ndarray):
+    """An array that interrupts who packs it."""
+
+    @property
+    def flags(self) -> Any:
+        signal.raise_signal(signal.SIGINT)
+        return super().flags
+
+
+def test_an_interrupt_waits_until_a_checkpoint_is_written(tmp_path: Path) -> None:
+    """Within a ZIP archive it would end in a ValueError of its close, as an error of the program."""
+    file = tmp_path / "path-000.npz"
+    with pytest.raises(KeyboardInterrupt):
+        checkpoint.write(file, checkpoint.Saved({"step": 3}, {"u": np.arange(3.0).view(Interrupting)}))
+    np.testing.assert_array_equal(checkpoint.read(file).arrays["u"], np.arange(3.0))
+
+
 def test_a_run_killed_while_it_estimates_its_error_repeats_no_path(tmp_path: Path, whole_series: Path) -> None:
     """Neither one of its own nor one on the coarser mesh."""
     out, seen = tmp_path / "out", []
