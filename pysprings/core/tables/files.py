@@ -236,7 +236,10 @@ def _workbook(path: Path, raw: bytes) -> list[Sheet]:
 
 
 def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> Sheet:
-    """Return a sheet of a workbook; a formula without a stored value is a cell that is refused where it is used."""
+    """Return a sheet of a workbook; a formula without a stored value is a cell that is refused where it is used.
+
+    A 0 is none in a workbook that is to be calculated when it is opened: XlsxWriter stores it for every formula.
+    """
     from openpyxl.utils import range_boundaries
 
     xml = re.sub(
@@ -244,10 +247,10 @@ def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> 
     )  # <x:row> is <row>
     lines = list(_rows(path, values))
     if b"<f" in xml:
-        by_line = dict(lines)
+        by_line, none = dict(lines), (None, 0) if _to_calculate(archive) else (None,)
         for row in formulas.iter_rows():
             for cell in row:
-                if cell.data_type == "f" and _at(by_line.get(cell.row, []), cell.column - 1) is None:
+                if cell.data_type == "f" and _at(by_line.get(cell.row, []), cell.column - 1) in none:
                     text = cell.value if isinstance(cell.value, str) else "array formula"
                     cells = by_line.setdefault(cell.row, [])
                     cells += [None] * (cell.column - len(cells))
@@ -267,6 +270,12 @@ def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> 
         f"{path}[{values.title}]", values.title, lines, "", values.sheet_state != "visible", merged,
         frozenset(rows), frozenset(k for a, b in columns for k in range(a, b + 1)),
     )  # fmt: skip
+
+
+def _to_calculate(archive: zipfile.ZipFile) -> bool:
+    """Return whether a workbook is to be calculated when it is opened (openpyxl takes True where nothing stands)."""
+    parts = [archive.read(name) for name in archive.namelist() if name.endswith("/workbook.xml")]
+    return any(re.search(rb'<(?:\w+:)?calcPr [^>]*fullCalcOnLoad="(?:1|true)"', part) for part in parts)
 
 
 def _hidden(xml: bytes, tag: bytes, size: bytes) -> list[bytes]:

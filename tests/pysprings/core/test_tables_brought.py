@@ -181,6 +181,8 @@ def prefixed(made: openpyxl.Workbook) -> bytes:
 
 REFUSED: dict[str, tuple[Callable[[Rows], Any], str]] = {
     "formula": (in_book("=10*2"), r'\[Sheet\]:2: .*: cell [A-F]2 holds the formula "=10\*2" without a stored value'),
+    "formula of a program": (lambda rows: written_by_others(in_book("=10*2")(rows), "<v ?/>", "<v>0</v>"),
+                             r'holds the formula "=10\*2" without a stored value'),
     "error": (in_book("#REF!"), r"cell [A-F]2 holds the error #REF!"),
     "error in text": (lambda rows: lines(victim("#DIV/0!")(rows)), r"2: .*is an error of the spreadsheet"),
     "date": (in_book(datetime(2026, 5, 1)), r"cell [A-F]2 holds the date 2026-05-01"),
@@ -240,6 +242,14 @@ def test_what_is_in_doubt_is_refused_with_its_place(tmp_path: Path, kind: str, f
     with pytest.raises(UserInputError) as refused:
         read(tmp_path, kind, make(READERS[kind][1]))
     assert re.search(message, str(refused.value)), str(refused.value)
+
+
+def test_a_zero_that_a_spreadsheet_program_has_computed_is_read(tmp_path: Path) -> None:
+    made = book([["H [kN]", "M [kN m]"], [5, "=A2-5"]])
+    made.calculation = openpyxl.workbook.properties.CalcProperties(fullCalcOnLoad=None)
+    file = tmp_path / "t.xlsx"
+    file.write_bytes(written_by_others(made, "<v ?/>", "<v>0</v>"))
+    assert read_load_cases(file).loads.tolist() == [[5e3, 0.0]]
 
 
 @pytest.mark.parametrize("kind", [kind for kind in READERS if kind != "springs"])
