@@ -253,6 +253,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     """Return the answers of one model to loads (n, 2) = (H, M) at vertical loads V (n,)."""
     states, loads, reached = model.solve_cases("load", targets)
     answer = answer_dataset(model, Way(states, loads, "load", V))
+    reached = reached & answer["converged"].values  # that is of V
     down = answer["V"].values if "V" in answer else None
     largest = capacities(model, targets, down)
     answer = with_bound(model, answer, targets, largest.utilisation)

@@ -110,7 +110,9 @@ def vertical_answer(
     used, alone = there[2], there[-1]
     timed = _other_rate(model, down, other)
     return Down(
-        marks | timed | {"w": w + there[0] - model.vertical.displacements(V)[0]},
+        marks
+        | timed
+        | {"w": w + there[0] - model.vertical.displacements(V)[0], "converged": (~np.isnan(alone)).astype(np.int8)},
         there[1],
         np.nan_to_num(used, nan=np.inf),
         [

@@ -159,6 +159,10 @@ def test_beyond_the_vertical_springs_is_marked_or_has_no_equilibrium():
         predict(flat, V=-2e6, extrapolate=True)
     with pytest.raises(BeyondSprings, match=r"beyond the vertical springs \(path up\): no w carries it; they carry V"):
         predict(flat, V=-2e6)
+    found = predict_batch(flat, H=0.0, V=np.array([-2e6, REST, end + 1e6]), extrapolate=True)
+    assert found["answered"].values.tolist() == [0, 1, 1]
+    assert str(found["why_not"].values[0]) == "no equilibrium"
+    assert np.isnan(found["w"].values).tolist() == [True, False, False]
 
 
 def test_vertical_paths_take_no_part_in_the_lateral_springs():
