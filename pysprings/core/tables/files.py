@@ -27,6 +27,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+", re.ASCII)
+_SCALED = re.compile(r"[0#?],+(?=[^0#?,]|$)")  # a format that shows a share: 1234.5 is 1.2 in "0.0,"
 _NOT_FINITE = ("inf", "-inf", "+inf", "infinity", "-infinity")
 _MINUS = str.maketrans({"−": "-", "\u00a0": " "})
 _ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!", "#WERT!", "#BEZUG!", "#NV")
@@ -305,6 +306,9 @@ def _rows(path: Path, sheet: Any) -> Iterator[Line]:
 def _value(cell: Any) -> Cell:
     value = cell.value
     if isinstance(value, float | int) and not isinstance(value, bool):
+        if _SCALED.search(re.sub(r'"[^"]*"', "", cell.number_format)):
+            why = f"cell {cell.coordinate} holds {value:g} and shows it over a thousand (format {cell.number_format}): "
+            return Unread(str(value), f"{why}give it the format General, and the value in the unit of the heading")
         return Percent(value) if "%" in cell.number_format else value
     if isinstance(value, date | time | timedelta):
         why = f"cell {cell.coordinate} holds the date {value}: spreadsheets make dates of numbers such as 1.5; "

@@ -98,6 +98,10 @@ def as_texts(made: Any, sheet: Any) -> None:
             cell.value = str(cell.value).replace(".", ",") if isinstance(cell.value, float) else cell.value
 
 
+def in_thousands(made: Any, sheet: Any) -> None:
+    sheet.cell(2, sheet.max_column).number_format = '#,##0.00, "M"'
+
+
 def coloured(made: Any, sheet: Any) -> None:
     sheet.cell(2, sheet.max_column + 3).fill = openpyxl.styles.PatternFill("solid", "ffff00")
 
@@ -186,6 +190,7 @@ REFUSED: dict[str, tuple[Callable[[Rows], Any], str]] = {
     "error": (in_book("#REF!"), r"cell [A-F]2 holds the error #REF!"),
     "error in text": (lambda rows: lines(victim("#DIV/0!")(rows)), r"2: .*is an error of the spreadsheet"),
     "date": (in_book(datetime(2026, 5, 1)), r"cell [A-F]2 holds the date 2026-05-01"),
+    "shown in thousands": (lambda rows: book(rows, in_thousands), r"cell [A-F]2 holds .* and shows it over a thousand"),
     "merged": (lambda rows: book(rows, merged), r"the cells [A-F]2:[A-F]3 are merged"),
     "hidden row": (lambda rows: book(rows, hidden_row), r":3: the row is hidden"),
     "hidden column": (lambda rows: book(rows, hidden_column), r":1: .*the column is hidden"),
