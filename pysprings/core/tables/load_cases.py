@@ -320,11 +320,10 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     loads = {"H": force * H[:, None], "M": bending, "V": down * V, "T": given["T_Nm"] * M}
     loads["plane"] = np.where(force.any(axis=1), towards, turning)
     loads["has_plane"] = np.where((given["Fy_N"] == 0.0) & (given["Mx_Nm"] == 0.0), 1.0, 0.0)
-    left = {
-        name: np.isfinite(values[name]).any() & np.isnan(values[name]) for name in ("factor", "factor_H", "factor_V")
-    }
-    left["factor_H"] &= force.any(axis=1)
-    left["factor_V"] &= np.isfinite(down)
+    none = {"H_N": 0, "factor": 1, "factor_H": 1, "factor_V": 1}
+    left = {name: np.isfinite(values[name]).any() & np.isnan(values[name]) for name in none}
+    beside = {"H_N": np.any(moments, axis=0), "factor_H": force.any(axis=1), "factor_V": np.isfinite(down)}
+    left |= {name: left[name] & rows for name, rows in beside.items()}
     idle = np.isfinite(by["V"]) & (by["V"] != 1.0) & np.isnan(down)
     lifted = np.isfinite(values["Fz_N"]) & (np.nan_to_num(values["Fz_N"], nan=np.inf).min(initial=np.inf) > 0.0)
     remarks = []
@@ -332,7 +331,8 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
         words = [f"factor H {values['factor_H'][k]:g} multiplies the moment, too (no factor M)"] if each else []
         words += ["factor M is not used: the moment of H at its height has the factor of H"] if unused[k] else []
         words += ["factor V is not used: V is blank"] if idle[k] else []
-        words += [f"{name.replace('_', ' ')} is blank: 1" for name, blank in left.items() if blank[k]]
+        blank = [name for name, rows in left.items() if rows[k]]
+        words += [f"{name.removesuffix('_N').replace('_', ' ')} is blank: {none[name]}" for name in blank]
         words += ["V is a pull, as in all rows: Fz counts upwards"] if lifted[k] else []
         remarks.append("; ".join(words))
     return loads, remarks

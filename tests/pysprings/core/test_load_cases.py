@@ -96,6 +96,7 @@ def test_what_lies_beside_the_plane_of_the_force_is_kept_by_row(tmp_path: Path) 
     assert not bound.opposed.any() and not bound.aside.any()
     assert "turned into the plane of H, torsion of 7 kN m as T/R = 2 kN on H" in bound.remarks[0]
     assert bound.remarks[1] == ""
+    assert table(tmp_path, "name,H [kN],M [kN m]", "a,nan,2", "b,3,2").remarks == ("H is blank: 0", "")
     np.testing.assert_allclose(np.abs(cases.bounded(None).H), np.abs(cases.H))
 
 
