@@ -107,12 +107,10 @@ def vertical_answer(
             beyond=beyond,
         )
     there = response.settle(model.vertical, down)
-    used, alone = there[2], there[-1]
-    timed = _other_rate(model, down, other)
+    used, alone, timed = there[2], there[-1], _other_rate(model, down, other)
+    carried = {"converged": (~np.isnan(alone)).astype(np.int8)}
     return Down(
-        marks
-        | timed
-        | {"w": w + there[0] - model.vertical.displacements(V)[0], "converged": (~np.isnan(alone)).astype(np.int8)},
+        marks | timed | carried | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
         [
