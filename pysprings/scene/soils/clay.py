@@ -355,4 +355,5 @@ class IwanClay(VonMises):
 
 def _of_simple_shear(soil: Soil) -> Any:
     """Return su of direct simple shear (...,) in Pa."""
-    return soil.undrained_shear_strength * (getattr(soil, "direct_shear_factor", None) or 1.0)
+    factor = getattr(soil, "direct_shear_factor", None)
+    return soil.undrained_shear_strength * (1.0 if factor is None else factor)

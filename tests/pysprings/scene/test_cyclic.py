@@ -8,6 +8,7 @@ import pytest
 
 from pysprings.core.errors import UserInputError
 from pysprings.model.element import KINDS, element_test, specimen
+from pysprings.model.soil_laws import soil_materials
 from pysprings.scene.load import load_scene, parse_scene
 from pysprings.scene.model import Scene, ground_text
 from pysprings.springs.path import paths_of
@@ -113,6 +114,20 @@ def test_strengths_by_direction_have_the_contours_in_their_own(tmp_path) -> None
     assert sheared(given, 0.8)[-1] == pytest.approx(0.924, rel=1e-3)
     up, down = (sheared(given, 0.8, kind, "q_Pa")[-1] for kind in ("triaxial", "triaxial-extension"))
     assert (0.5 * up, 0.5 * down) == pytest.approx((1.166 * 0.924, -0.566 * 0.924), rel=2e-3)
+
+
+def test_a_factor_of_simple_shear_raises_the_backbone_at_every_depth(tmp_path) -> None:
+    """A factor of 1.2 on 10 + 2 z kPa is a strength of 12 + 2.4 z kPa with the other factors over 1.2."""
+    depth = np.array([[1.0, 2.0], [4.0, 6.0]])
+    rows = [
+        soil_materials(scene(tmp_path, ("[domain]", keys + "[domain]"), text=text), depth)[0][0].parameters
+        for keys, text in (
+            ("direct_shear_factor = 1.2\nextension_factor = 0.96\n", SCENE),
+            ("compression_factor = 0.8333333333333\nextension_factor = 0.8\nrigidity_ratio = 500\n",
+             SCENE.replace("10 kPa", "12 kPa").replace("2 kPa/m", "2.4 kPa/m").replace("rigidity_ratio = 600\n", "")),
+        )
+    ]  # fmt: skip
+    assert rows[0] == pytest.approx(rows[1], rel=1e-9)
 
 
 def test_a_contour_on_the_elastic_line_joins_by_a_hyperbola_through_it_alone(tmp_path) -> None:
