@@ -23,6 +23,7 @@ from pysprings.results.plots.comparison import LOOKS
 from pysprings.results.plots.overview import SMALLEST
 from pysprings.results.plots.picture import Picture, View, skirt_length, unit_text
 from pysprings.results.plots.section import quad_corners
+from pysprings.scene.soils import SOIL_LAWS
 from pysprings.springs.path import SpringPath
 
 if TYPE_CHECKING:
@@ -34,13 +35,14 @@ if TYPE_CHECKING:
 
 
 MPA, DEGREES = 1e-6, 180.0 / np.pi
+_SU, _AFTER = "undrained_shear_strength", "cyclic_strength_Pa"
 _DEEPEST = 2.5  # skirt lengths that are drawn
 _DEPTHS = 41  # of each layer
 _LAYERS = (style.SOIL, style.PALE)
 # key of the ground, heading, factor, colour
 _COLUMNS = (
     ("friction_angle_final", "friction\nangle [deg]", DEGREES, style.PURPLE),
-    ("undrained_shear_strength", "su [kPa]", style.KPA, style.VERMILLION),
+    (_SU, "su [kPa]", style.KPA, style.VERMILLION),
 )
 
 
@@ -127,6 +129,11 @@ def _draw_curves(
         of = {"vertical": stratum.vertical_stress, "shear": stratum.shear_modulus}
         value = of[key](depth) if key in of else stratum.value(key, depth)
         axes.plot(factor * value, depth, color=colour, gid=key)
+        shown = SOIL_LAWS[stratum.law].shown
+        after = [shown(stratum, each).get(_AFTER, np.nan) for each in depth if key == _SU]
+        if np.isfinite(after).any():
+            axes.plot(factor * np.array(after), depth, color=colour, linestyle=":", gid=_AFTER)
+            heading = f"{heading.splitlines()[0]}\ndotted: after cycles"
     axes.set_xlabel(heading)
 
 

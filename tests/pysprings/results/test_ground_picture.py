@@ -47,3 +47,14 @@ def test_its_lines_are_the_values_of_the_layers():
     assert texts == ["sand", "clay"]
     (caisson,) = lines["caisson"]
     assert caisson[:, 1].max() == SCENE.caisson.skirt_length
+
+
+def test_clay_after_cycles_has_its_own_strength_beside_su():
+    contours = [[9.0, 0.0, 0.4, 0.0, 0.01], [9.0, 0.0, 0.5, 0.0, 0.1]]
+    own = {"law": "iwan-clay", "direct_shear_factor": 0.9, "cyclic": {"contours": contours, "cycles": 9.0}}
+    scene = SCENE.replace(soil={"layers": [LAYERS[0], LAYERS[1] | own]})
+    axes = PICTURE.draw(view(scene)).axes[-1]
+    su, after = (next(line for line in axes.lines if line.get_gid() == name).get_xdata() for name in
+                 ("undrained_shear_strength", "cyclic_strength_Pa"))  # fmt: skip
+    assert axes.get_xlabel() == "su [kPa]\ndotted: after cycles"
+    np.testing.assert_allclose(after, 0.45 * su)
