@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import HELD_BACK, PATH_KINDS
 from pysprings.core.text import number, percent
 from pysprings.core.words import sudden
 from pysprings.full_model.run_record import RunRecord, significant
@@ -243,6 +243,8 @@ def _mesh(run: Run) -> str:
 
 
 def _springs(run: Run) -> str:
+    from pysprings.springs.springs import Springs
+
     worst = _held_back(run)
     if worst is None:
         if run.comparison is not None:
@@ -250,7 +252,10 @@ def _springs(run: Run) -> str:
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
     errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items() if name not in _AT_LOAD)
     moved = f"; of u at equal load: {_of_u(worst)}" if _U in worst else ""
-    return f"against the full model on the paths held back, largest error at equal displacement: {errors}{moved}"
+    paces = ""
+    if run.springs is not None and run.comparison is not None:
+        paces = Springs.of(run.springs).paces(run.comparison["path"][run.comparison["role"] == HELD_BACK])
+    return f"against the full model on the paths held back{paces}, largest error at equal displacement: {errors}{moved}"
 
 
 def _of_u(worst: Mapping[str, float]) -> str:

@@ -266,6 +266,15 @@ class Springs:
         """Lateral calibration paths by rate, slowest first; none where the springs do not depend on a rate."""
         return path_sets.rate_sets(self.lateral) if "coupled" in self.drainage.split(", ") else ()
 
+    def paces(self, names: Iterable[str]) -> str:
+        """Return the rates of the lateral ones of paths in words, where the springs are at several; else nothing."""
+        own = (self.paths[name] for name in names if name in self.paths)
+        known = [path.rate for path in own if path.rate and not path.is_vertical]
+        if len(self.rate_sets) < 2 or not known:
+            return ""
+        ends = dict.fromkeys(f"{1e3 * each:.2g}" for each in (min(known), max(known)))
+        return f" at {' to '.join(ends)} mm/s (of rho)"
+
     @cached_property
     def rays(self) -> Mapping[str, float]:
         """Rays among the main paths by increasing angle [rad]; close ones count once."""

@@ -18,6 +18,7 @@ def _loaded(module: str, name: str = "write") -> Callable[..., Any]:
 
 
 POINTS = 80  # of a curve for beam programs
+RATE = Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s")
 CSV = Exporter(
     name="csv",
     description="p-y tables",
@@ -69,7 +70,7 @@ BEAM = Exporter(
         Option("depths", 'depths of the curves, such as "0.5, 1.5, 2.5 m"; those of all tables without', default=""),
         Option("points", "points of a curve", POINTS),
         Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
-        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
+        RATE,
     ),
 )
 PARAVIEW = Exporter(
@@ -96,7 +97,7 @@ OPENFAST = Exporter(
         Option("springs", "of the nonlinear foundation: the fan, or the elements that remember reversals", "fan",
                choices=("fan", "memory")),
         Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
-        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
+        RATE,
         Option("reaction_at_rest", "vertical reaction of the nonlinear foundation at displacement 0: the vertical load "
                "at rest (the structure has its weight), or none", "load", choices=("load", "none")),
         Option("beyond", "beyond the calibrated range the library extrapolates with a warning, or stops OpenFAST",
@@ -109,7 +110,7 @@ SUBDYN = Exporter(
     description="stiffness for SubDyn, at rest or at a load: SSI file, spring element",
     write=_loaded("subdyn"),
     suffixes=(".dat",),
-    options=MATRIX,
+    options=(RATE, *MATRIX),
 )
 OPENSEES = Exporter(
     name="opensees",

@@ -188,7 +188,8 @@ def _errors(comparison: pd.DataFrame, given: Springs, V: float | None, kind: str
                 parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
         role = "held-back" if len(held) else "calibration"
         if parts:
-            head = f"largest errors of springs {springs!s} against {given.reference}, {len(used)} {role} paths"
+            of = f"{len(used)} {role} paths{given.paces(used['path'])}"
+            head = f"largest errors of springs {springs!s} against {given.reference}, {of}"
             yield f"{head}: {', '.join(parts)}"
 
 

@@ -60,9 +60,9 @@ def write(source: Source, target: Target, options: Options) -> Exported:
     """Write matrices, and the spring file of the nonlinear foundation where there is a fan."""
     found = matrix_of(source, options)
     head = [*header(source, f"OpenFAST foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
+    more, remarks = _nonlinear(source, target, options)  # the first: it may refuse the options
     files = [
         *write_subdyn(head, found.stiffness, target),
         target.write("soildyn.dat", matrix_input([*head, FREE_BASE], found.stiffness, _place(options))),
     ]
-    more, remarks = _nonlinear(source, target, options)
     return Exported([*files, *more], [*found.lines, *remarks, FREE_BASE])

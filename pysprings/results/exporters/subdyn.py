@@ -66,14 +66,18 @@ class Linear:
 
 
 def linear(springs: Springs, options: Options) -> Linear:
-    """Return the matrix of the options `at` and `matrix`, with its errors on the paths: at rest without a load.
+    """Return the matrix of the options `at`, `matrix`, `rate`, with its errors on the paths: at rest without a load.
 
     Raises UserInputError: a text that is no load, or springs from a table without vertical stiffness.
     Raises PredictionNotConverged, BeyondSprings: a load that the springs do not carry.
     """
-    if not options["at"]:
-        return Linear(at_lid(springs), "stiffness at rest", [AT_REST, *secants(springs), *linear_errors(springs)])
-    at, springs = place_of(springs, options["at"])
+    rate = options["rate"]
+    at, here = place_of(springs, options["at"]) if options["at"] else (None, springs)
+    springs = here if rate is None else springs.at_rate(float(rate))
+    of_rate = [] if rate is None else [f"of the springs at {1e3 * float(rate):.4g} mm/s (of rho)"]
+    if at is None:
+        beside = [AT_REST, *of_rate, *secants(springs), *linear_errors(springs)]
+        return Linear(at_lid(springs), "stiffness at rest", beside)
     question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
     with warnings.catch_warnings(record=True) as marks:
         warnings.simplefilter("always", MacroWarning)
@@ -82,7 +86,7 @@ def linear(springs: Springs, options: Options) -> Linear:
     words = f"linear: {name} ({options['at']}); x along that load; beside it secants of the springs, and its errors"
     lateral = matrix[np.ix_([0, 4], [0, 4])]
     notes = [*(f"supported in part: {each.message}" for each in marks), str(found.attrs["vertical"])]
-    return Linear(matrix, name, [words, *notes, *secants(springs), *linear_errors(springs, lateral)])
+    return Linear(matrix, name, [words, *of_rate, *notes, *secants(springs), *linear_errors(springs, lateral)])
 
 
 def place_of(springs: Springs, text: str) -> tuple[Load, Springs]:
@@ -129,7 +133,7 @@ def secants(springs: Springs) -> list[str]:
         motion = np.stack([path.u, path.rotation])
         for share, step in zip(SHARES[:2], _steps(motion, springs.length), strict=False):
             matrix = secant(model, float(path.u[step]), float(path.rotation[step]), symmetric=True)
-            size = [f"{1e3 * value + 0.0:.3g}" for value in np.abs(motion[:, step])]
+            size = [f"{round(1e3 * value, 9):.3g}" for value in np.abs(motion[:, step])]
             rows.append((f"{path.name}, {100 * share:g} %", *size, *_entries(matrix[np.ix_([0, -1], [0, -1])])))
     return [_SECANTS, *plain_table(_SECANT_COLUMNS, rows).splitlines()]
 

@@ -22,7 +22,7 @@ from pysprings.results.exporters.soildyn.library import COMPILERS, build, librar
 from pysprings.results.exporters.subdyn import labels, linear_errors, secants
 from pysprings.results.tables import open_table
 from pysprings.springs.springs import Springs
-from tests.support import loaded, openfast, subdyn, synthetic, winkler, written
+from tests.support import loaded, openfast, rates, subdyn, synthetic, winkler, written
 from tests.support.commands import command
 from tests.support.fans import LENGTH
 from tests.support.vertical import K as K_REST, fan_with_vertical, vertical_springs
@@ -448,6 +448,29 @@ def test_the_matrix_at_a_load_times_the_motion_is_that_load(tmp_path: Path, prog
     np.testing.assert_allclose(
         K @ [path.u[step], path.rotation[step]], loads, rtol=2e-2, atol=2e-2 * max(map(abs, loads))
     )
+
+
+@pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
+@pytest.mark.parametrize("at", ["H=0.1 MN, arm=2 m", "50 % of slide0"])
+def test_a_matrix_at_a_load_has_the_springs_of_its_rate(tmp_path: Path, at: str) -> None:
+    """Without a rate, springs at several are refused, and nothing is written."""
+    springs = rates.with_vertical(1e-5)
+    for asked in ({"at": at}, {}):
+        with pytest.raises(UserInputError, match="several rates"):
+            export(springs, "openfast", tmp_path / "none", **asked)
+    assert not (tmp_path / "none").exists()
+    own = Springs.of(springs).at_rate(1e-3)
+    state, found = predict(own, H=1e5, arm=2.0), []
+    if "%" in at:
+        path = Springs.of(springs).paths["slide0"]
+        step = int(np.argmin(np.abs(path.u - 0.5 * path.u.max())))
+        state = impose(own, u=float(path.u[step]), rotation=float(path.rotation[step]))
+    for program in ("openfast", "subdyn"):
+        done = export(springs, program, tmp_path / program, at=at, rate=1e-3)
+        assert "of the springs at 1 mm/s (of rho)" in done.remarks
+        found.append(matrix_of(read_ssi(tmp_path / program / "subdyn_ssi.dat"), "k")[np.ix_([0, 4], [0, 4])])
+    np.testing.assert_allclose(found[0], found[1])
+    np.testing.assert_allclose(found[0] @ [state["u"], state["rotation"]], [state["H"], state["M"]], rtol=1e-3)
 
 
 @pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")

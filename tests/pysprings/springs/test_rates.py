@@ -236,6 +236,18 @@ def test_curves_for_a_beam_program_are_those_of_a_rate(tmp_path: Path) -> None:
     assert "--rate: is an option of --for beam" in command("springs", file, "--rate", "0.1 mm/s").err
 
 
+def test_errors_name_the_rates_of_the_paths_that_are_held_back() -> None:
+    tree = at_two_rates(speeds=(1e-5, 1e-3, 1e-4))
+    for name in ("slide2", "turn2"):
+        tree[f"paths/{name}"] = xr.DataTree(
+            tree[f"paths/{name}"].to_dataset(inherit=False).assign_attrs(role="held-back")
+        )
+    assert "full model, 2 held-back paths at 0.1 mm/s (of rho): load " in exporters.text(tree, "beam", rate=1e-3)
+    springs = Springs.of(tree)
+    assert springs.paces(["slide0", "slide2"]) == " at 0.01 to 0.1 mm/s (of rho)"
+    assert springs.at_rate(1e-3).paces(["slide0"]) == ""
+
+
 def test_an_initial_stiffness_where_water_flows_is_named_as_that_of_a_sudden_load() -> None:
     """A slow load meets a softer, drained one; springs of drained ground have no such words."""
     drained, coupled = synthetic.make_springs(RAYS), at_two_rates()
