@@ -16,9 +16,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pysprings.core.arrays import Array, Marks
+from pysprings.core.arrays import Array, Marks, secant_slopes
 from pysprings.core.errors import refused
-from pysprings.macro.fan import WIDEST, FanTable, secant_slopes
+from pysprings.macro.fan import WIDEST, FanTable
 from pysprings.macro.response import Between, Level, Response, Support
 from pysprings.macro.solver import FAN, fan_rows
 from pysprings.macro.ways import RANGE_SLACK, ROUNDING, Control

@@ -3,7 +3,7 @@
 
 Downwards and upwards differ (lid and tip bear, or lift off), so each direction has its own curves, which start at the
 state at rest, (w0, V0). Along them every reaction is a function of w alone, V = sum t dz + V_tip + V_lid. Interpolation
-is that of a ray of a fan (`fan.secant_slopes`): cubic, through the recorded points, linear in the data, with the
+is that of a ray of a fan (`secant_slopes`): cubic, through the recorded points, linear in the data, with the
 initial stiffness of the full model at rest in both directions.
 
 How they go with the lateral springs: additively in w. Under a vertical load V that is not the V' of the lateral paths,
@@ -21,10 +21,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arrays import Array, Marks
+from pysprings.core.arrays import Array, Marks, secant_slopes
 from pysprings.core.loads import close_loads, same_load
 from pysprings.core.text import with_prefix
-from pysprings.macro.fan import initial_slopes, secant_slopes
+from pysprings.macro.fan import initial_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs

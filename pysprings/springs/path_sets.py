@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arrays import Array
+from pysprings.core.arrays import Array, secant_slopes
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_way
@@ -112,13 +112,17 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
 
 
 def _interpolated(x: Array, known: Array, values: Array, axis: int) -> Array:
-    """Return values at known points (k,), increasing, along an axis, at x (n,): linear between them, flat beyond."""
-    place = np.interp(x, known, np.arange(known.size))
-    left = np.minimum(place.astype(int), known.size - 2)
-    left_values, right_values = np.take(values, left, axis), np.take(values, left + 1, axis)
-    weight = (place - left).reshape([-1 if k == axis else 1 for k in range(values.ndim)])
-    moved: Array = left_values + weight * (right_values - left_values)
-    return moved
+    """Return values at known points (k,) along an axis, at x (n,): cubic as a ray of a fan is, flat beyond."""
+    grows = np.diff(np.maximum.accumulate(known), prepend=-np.inf) > 0.0
+    given = np.moveaxis(values, axis, -1)[..., grows]
+    points, rows = known[grows], given.reshape(-1, int(grows.sum()))
+    slopes = secant_slopes(points, rows, (rows[:, 1] - rows[:, 0]) / points[1])
+    k = np.clip(np.searchsorted(points, x, side="right") - 1, 0, points.size - 2)
+    h = points[k + 1] - points[k]
+    s = np.clip((x - points[k]) / h, 0.0, 1.0)
+    step, first, last = (rows[:, k + 1] - rows[:, k]) / h, slopes[:, k], slopes[:, k + 1]
+    moved = rows[:, k] + h * s * (first + s * (3.0 * step - 2.0 * first - last + s * (first + last - 2.0 * step)))
+    return np.moveaxis(moved.reshape(*given.shape[:-1], x.size), -1, axis)
 
 
 def _way(path: SpringPath) -> Array:

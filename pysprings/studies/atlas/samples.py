@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.core.arrays import Array
+from pysprings.core.arrays import Array, secant_slopes
 from pysprings.core.errors import refused
-from pysprings.macro.fan import secant_slopes
 from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene

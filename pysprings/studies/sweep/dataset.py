@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.core.arrays import Array
+from pysprings.core.arrays import Array, secant_slopes
 from pysprings.core.errors import PyspringsError, refused
 from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.core.storage import replacing
@@ -29,7 +29,6 @@ from pysprings.core.variables import DOFS
 from pysprings.core.version import __version__
 from pysprings.core.words import ESTIMATES
 from pysprings.full_model.run_record import RunRecord
-from pysprings.macro.fan import secant_slopes
 from pysprings.results.exporters.csv import write_frame
 from pysprings.results.sheets import write_sheet
 from pysprings.scene.model import Scene
@@ -132,7 +131,7 @@ def shares_of(path: SpringPath, asked: ScenePath) -> Array:
 def _resampled(share: Array, values: Array) -> Array:
     """Return values (..., step) at SHARES; NaN beyond the last one.
 
-    Cubic in the share as a fan is (`pysprings.macro.fan.secant_slopes`), and linear in the values: sums stay sums.
+    Cubic in the share as a fan is (`secant_slopes`), and linear in the values: sums stay sums.
     """
     from scipy.interpolate import CubicHermiteSpline
 

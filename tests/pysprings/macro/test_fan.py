@@ -8,11 +8,12 @@ import pytest
 import xarray as xr
 
 from pysprings.core import variables
+from pysprings.core.arrays import secant_slopes
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import to_text
-from pysprings.macro.fan import build_fan, has_fan, last_slopes, secant_slopes
+from pysprings.macro.fan import build_fan, has_fan, last_slopes
 from pysprings.macro.model import spring_sets
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict, way_to_load
 from pysprings.springs.path import paths_of

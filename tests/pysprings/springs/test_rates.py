@@ -104,6 +104,15 @@ def test_a_shorter_fast_path_shortens_the_answer() -> None:
     assert found.n == 7
 
 
+def test_beside_a_set_between_its_steps_the_answer_is_that_of_the_set() -> None:
+    """Paths of two sets have steps of their own; a straight line between those of the other is 3 % low."""
+    given = Springs.of(at_two_rates())
+    fast = given.path("slide1")
+    found = blend(given.path("slide0"), fast.at_steps([0, 1, 2, 3, 5, 7, 9, 12]), 1.0)
+    np.testing.assert_allclose(found["H"], fast["H"], rtol=6e-3)
+    assert balance(found.dataset)["H"] < 1e-9  # sums stay sums
+
+
 # --- what the macro-model makes of them ---
 
 
