@@ -110,7 +110,7 @@ def deviations(states: xr.Dataset) -> str:
         value, size = (abs(float(states[each].values[-1])) for each in (known, column.source))
         name, unit = column.head.rstrip("]").split(" [")
         if value > ROUNDING * size > 0.0:
-            own = f"{column.factor * value:.3g} {unit} ({100.0 * value / size:.2g} %)"
+            own = f"{column.factor * value:.3g} {unit} ({percent(100.0 * value / size)})"
             parts.append(f"{name} {own if np.isfinite(value) else 'without a bound'}")
     return f"standard deviation of the last state: {', '.join(parts)}" if parts else ""
 

@@ -131,6 +131,8 @@ class TargetMissed(RunIncomplete):
 
 def reason_of(error: BaseException) -> str:
     """Return an error as one line; with its kind, where it is none of this program."""
+    if isinstance(error, UserInputError):
+        return printable("; ".join(error.lines))
     return printable(f"{'' if isinstance(error, PyspringsError) else f'{type(error).__name__}: '}{error}")
 
 

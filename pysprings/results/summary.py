@@ -145,6 +145,8 @@ def _vertical(run: Run) -> str:
         return ""
     known = [(word, *largest_vertical(model, sign)) for word, sign in (("push", 1.0), ("pull", -1.0))]
     parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
+    least = min((each.largest for each in model.vertical.branches), default=0.0) if model.vertical else 0.0
+    parts += [f"nothing below {1e-6 * least:.4g} MN"] if least > 0.0 else []
     used = float(vertical_use(model, np.array([model.rest_load]))["utilisation_V"][0])
     share = f", {100.0 * used:.3g} % used" if math.isfinite(used) else ""
     sets = [f"{1e-6 * each.V:.4g}" for each in springs.load_sets]
@@ -237,7 +239,7 @@ def _mesh(run: Run) -> str:
 
     estimate = run.record.error_estimate or {}
     most = domain_effect(run.scene).percent
-    bounds = f"at most {most['H']:.2g} % (K_H), {most['M']:.2g} % (K_M)" if math.isfinite(most["H"]) else "far"
+    bounds = f"at most {percent(most['H'])} (K_H), {percent(most['M'])} (K_M)" if math.isfinite(most["H"]) else "far"
     domain = f"domain: stiffness {bounds} above unbounded soil"
     return f"{'estimated ' + short(estimate) if estimate.get('estimate_pct') else 'not estimated'}; {domain}"
 
@@ -250,7 +252,7 @@ def _springs(run: Run) -> str:
         if run.comparison is not None:
             return "not checked: no path in one plane with a free head is held back"
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
-    errors = ", ".join(f"{name} {value:.2g} %" for name, value in worst.items() if name not in _AT_LOAD)
+    errors = ", ".join(f"{name} {percent(value)}" for name, value in worst.items() if name not in _AT_LOAD)
     moved = f"; of u at equal load: {_of_u(worst)}" if _U in worst else ""
     paces = ""
     if run.springs is not None and run.comparison is not None:

@@ -107,7 +107,7 @@ def of_atlas(springs: Springs) -> Iterator[str]:
         yield outside
     if springs.of_atlas:
         known = {name: springs.attrs.get(f"{name}_relative_deviation", np.nan) for name in ("K_H", "K_V", "K_M")}
-        parts = ", ".join(f"{name} {100.0 * float(value):.2g} %" for name, value in known.items())
+        parts = ", ".join(f"{name} {percent(100.0 * float(value))}" for name, value in known.items())
         yield f"standard deviation of the initial stiffness: {parts}; of loads and motions: see `pysprings predict`"
         yield f"atlas: {springs.attrs.get('atlas', 'not recorded')}"
 

@@ -18,6 +18,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import close_loads
 from pysprings.core.path_kinds import HELD_BACK
+from pysprings.core.text import percent
 from pysprings.core.variables import known_torsion
 from pysprings.macro import measures
 from pysprings.macro.comparison import along_path
@@ -343,8 +344,8 @@ def change_by_tables(springs: Springs, smooth: MacroModel, straight: MacroModel)
                 motion = np.maximum(motion, _relative(x, y, 1.0 / smooth.length))
     H, M, u, rotation = 100.0 * np.concatenate([load, motion])
     return (
-        f"the tables change H by at most {H:.2g} % and M by {M:.2g} % at the recorded motions, "
-        f"u by {u:.2g} % and rotation by {rotation:.2g} % under the recorded loads"
+        f"the tables change H by at most {percent(H)} and M by {percent(M)} at the recorded motions, "
+        f"u by {percent(u)} and rotation by {percent(rotation)} under the recorded loads"
     )
 
 
@@ -370,7 +371,7 @@ def other_planes(springs: Springs, made: Uniaxial) -> str:
     return (
         f"springs stand in {made.planes} vertical planes, each {angle:g} degrees from the next, and act independently: "
         f"at {0.5 * angle:g} degrees from a plane the loads of a motion differ from those along it by up to "
-        f"{100.0 * worst:.2g} % (a quarter, half and the end of each path)"
+        f"{percent(100.0 * worst)} (a quarter, half and the end of each path)"
     )
 
 

@@ -17,7 +17,7 @@ from pysprings.core.columns import Column, Table, records
 from pysprings.core.errors import following
 from pysprings.core.progress import Progress
 from pysprings.core.storage import remove_leftovers, write_text
-from pysprings.core.text import json_text
+from pysprings.core.text import json_text, percent
 from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import FOURIER, SCHEMA, Setting, cheapest_within
@@ -68,13 +68,13 @@ def reference_lines(outcome: StudyResult) -> Iterator[str]:
     for path, references in outcome.references.items():
         for name, reference in references.items():
             doubts = [
-                f"{measure.head} {doubt:.2g} %"
+                f"{measure.head} {percent(doubt)}"
                 for key, measure in MEASURES.items()
                 if measure.quantity == name and math.isfinite(doubt := outcome.uncertainty[path][key])
             ]
             yield f"{path}, {name}: {reference.note}" + (f"; uncertain by {', '.join(doubts)}" if doubts else "")
     for path, apart in outcome.apart.items():
-        parts = [f"{MEASURES[key].head} {value:.2g} %" for key, value in apart.items() if math.isfinite(value)]
+        parts = [f"{MEASURES[key].head} {percent(value)}" for key, value in apart.items() if math.isfinite(value)]
         yield f"{path}: the limit of bricks is apart by {', '.join(parts)}"
 
 

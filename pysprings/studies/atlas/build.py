@@ -13,6 +13,7 @@ import xarray as xr
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import PyspringsError, UserInputError, refused
+from pysprings.core.text import percent
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.core.version import __version__
 from pysprings.macro.fan_springs import BAND
@@ -305,7 +306,7 @@ def held_back_words(compared: pd.DataFrame | None) -> str:
     words = []
     for row in summary(compared).to_dict("records"):
         place = f" at u/D {row['u_over_D']:g}" if row["u_over_D"] else ""
-        words.append(f"{row['quantity']}{place} {row['largest_pct']:.2g} %")
+        words.append(f"{row['quantity']}{place} {percent(row['largest_pct'])}")
     none = compared["quantity"] == "all"
     left = f"; {none.sum()} without an answer" if none.any() else ""
     return f"largest errors on {compared.loc[~none, 'case'].nunique()} caissons: {', '.join(words)}{left}"
@@ -314,8 +315,8 @@ def held_back_words(compared: pd.DataFrame | None) -> str:
 def _left_words(left: LeftOut) -> dict[str, str]:
     error = np.abs(left.error[np.isfinite(left.error)])
     text = (
-        f"load along the rays {100 * np.sqrt((error**2).mean()):.2g} % (rms), {100 * np.quantile(error, 0.95):.2g} % "
-        f"(95 %), {100 * left.inside:.3g} % inside the band of 95 %"
+        f"load along the rays {percent(100 * np.sqrt((error**2).mean()))} (rms), "
+        f"{percent(100 * np.quantile(error, 0.95))} (95 %), {100 * left.inside:.3g} % inside the band of 95 %"
     )
     return {"left out": text}
 

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from pysprings.core.errors import Problem, UserInputError, reason_of
 from pysprings.core.text import number
 
 
@@ -16,3 +17,10 @@ from pysprings.core.text import number
 )  # fmt: skip
 def test_numbers(value: object, text: str) -> None:
     assert number(value) == text
+
+
+def test_a_reason_is_the_problems_without_the_words_of_the_command_line() -> None:
+    """It stands within a sentence of the summary."""
+    error = UserInputError([Problem(key="mesh", message="no such mesh"), Problem(key="a", message="b")])
+    assert reason_of(error) == "mesh: no such mesh; a: b"
+    assert reason_of(ValueError("why")) == "ValueError: why"

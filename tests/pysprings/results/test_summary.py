@@ -161,6 +161,12 @@ def test_vertical_loads_stand_in_the_summary() -> None:
     share, push = (float(found) for found in re.findall(r", ([\d.]+) % used; largest known: push ([\d.]+) MN", text)[0])
     assert share == pytest.approx(200.0 / push, rel=1e-2)
     assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""
+    pushed = fan_with_vertical()  # its path upwards ends under pressure: what is below has no answer
+    up = next(path for path in pushed["paths"].children.values() if float(path["V"][-1]) < 0.0)
+    up.dataset = up.to_dataset(inherit=False).isel(step=slice(int((up["V"].values > 0.0).sum())))
+    assert f"MN (end of the range), nothing below {1e-6 * float(up['V'][-1]):.4g} MN" in _vertical(
+        SimpleNamespace(springs=pushed)
+    )
     sudden = "at the lid centre (of a load so sudden that no water moves)"  # not the stiffness of a slow one
     wet, dry = (_stiffness(SimpleNamespace(result=tree)) for tree in (with_vertical(1e-5), fan_with_vertical()))
     assert wet.endswith(sudden) and dry.endswith("at the lid centre")
