@@ -247,17 +247,20 @@ def _mesh(run: Run) -> str:
 def _springs(run: Run) -> str:
     from pysprings.springs.springs import Springs
 
-    worst = _held_back(run)
-    if worst is None:
+    worst, checked = _held_back(run), _on_held_back(run)
+    if worst is None or checked is None:
         if run.comparison is not None:
             return "not checked: no path in one plane with a free head is held back"
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
     errors = ", ".join(f"{name} {percent(value)}" for name, value in worst.items() if name not in _AT_LOAD)
     moved = f"; of u at equal load: {_of_u(worst)}" if _U in worst else ""
-    paces = ""
-    if run.springs is not None and run.comparison is not None:
-        paces = Springs.of(run.springs).paces(run.comparison["path"][run.comparison["role"] == HELD_BACK])
-    return f"against the full model on the paths held back{paces}, largest error at equal displacement: {errors}{moved}"
+    paces = "" if run.springs is None else Springs.of(run.springs).paces(checked["path"])
+    arms = dict.fromkeys(f"{arm:.4g}" for arm in sorted(checked["arm_m"]))
+    heights = " to ".join([*arms][:: max(len(arms) - 1, 1)])
+    return (
+        f"against the full model on the paths held back{paces} (loads at {heights} m), "
+        f"largest error at equal displacement: {errors}{moved}"
+    )
 
 
 def _of_u(worst: Mapping[str, float]) -> str:
@@ -321,13 +324,18 @@ def _held_back(run: Run) -> dict[str, float] | None:
 
     Those of H and rotation are at equal displacement; that of u, at equal load, grows without end near collapse.
     """
-    frame = run.comparison
-    if frame is None or frame.empty:
-        return None
-    own = frame[(frame["role"] == "held-back") & (frame["springs"] == ("fan" if _is_fan(run) else "full"))]
-    own = own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]
-    if own.empty:
+    own = _on_held_back(run)
+    if own is None or own.empty:
         return None
     columns = {"H": "H_error_max_pct", "rotation": "rotation_error_max_pct"} | _AT_LOAD
     worst = {name: float(own[column].abs().max()) for name, column in columns.items()}
     return {name: value for name, value in worst.items() if math.isfinite(value)}
+
+
+def _on_held_back(run: Run) -> pd.DataFrame | None:
+    """Return the rows of the comparison that show what the springs of a run are worth."""
+    frame = run.comparison
+    if frame is None or frame.empty:
+        return None
+    own = frame[(frame["role"] == HELD_BACK) & (frame["springs"] == ("fan" if _is_fan(run) else "full"))]
+    return own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]

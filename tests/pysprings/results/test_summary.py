@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import pysprings
@@ -76,6 +77,9 @@ def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(
     assert "the mesh error of load is 6 % on path ray: run it" in lines["use"] and "V 9 %" in lines["mesh error"]
     lines = summary(read_tree(folder / "full_model.nc"), record, held.assign(u_error_max_pct=np.nan), springs)
     assert lines["springs"].endswith("rotation 2 %") and "off" not in lines["use"]
+    arms = pd.concat([held.assign(arm_m=arm, H_error_max_pct=123.4) for arm in (7.8, -4.0, 39.0)])
+    checked = summary(read_tree(folder / "full_model.nc"), record, arms, springs)["springs"]
+    assert "on the paths held back (loads at -4 to 39 m), largest" in checked and "H 123 %, rotation" in checked
 
 
 def test_beyond_the_springs_there_is_no_tilt(folder: Path) -> None:
