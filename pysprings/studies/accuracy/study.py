@@ -106,7 +106,8 @@ NOTES = (
     "over 8 slices of the skirt; rotation: largest difference over the largest (M of a translation, H of a rotation); "
     "stiffness: at rest; pressure: peak contact pressure down to 0.9 of the skirt.",
     "alone: what the setting changes by itself: largest load difference from the same mesh with the scene's own "
-    "settings. *: on the Pareto front of load max or p-y rms over wall time.",
+    "settings; series have a tolerance of 1e-3 where none is named, whatever the scene has. "
+    "*: on the Pareto front of load max or p-y rms over wall time.",
 )
 
 
