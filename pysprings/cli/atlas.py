@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from pysprings.cli.folders import refuse_read
 from pysprings.cli.options import Json, argument, option
 from pysprings.cli.support import print_json, print_table, refuse
 from pysprings.core.columns import Column, Table
@@ -103,6 +104,7 @@ def atlas(
     target = out or Path(f"{family}.nc")
     if target.suffix != ".nc" or target.is_dir():
         refuse("--out", "name a file that ends in .nc", target)
+    refuse_read("--out", target, study, held_back)
     if table is not None and (table.suffix != ".csv" or held_back is None):
         refuse("--table", "is the comparison with --held-back: name a file that ends in .csv", table)
     made, left, compared = build.atlas_of(study, FAMILIES.find(family, "family"), held_back, _shares(at))

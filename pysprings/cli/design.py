@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pysprings.cli.folders import refuse_read
 from pysprings.cli.options import Json, Rate, SpringSet, argument, option
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 
@@ -67,11 +68,11 @@ def design(
     from pysprings.studies.group import answer_group, read_group
 
     tolerance, stiffness = _checked(tilt, joint, group)
-    for file in out or ():
-        files.check_ending(file)
+    used = cases or cases_of(result)
+    _check_files(out or [], result, used, group)
     if in_report:
         files.check_run(result)
-    read = read_load_cases(used := cases or cases_of(result))
+    read = read_load_cases(used)
     placed = None if group is None else read_group(group, stiffness or math.inf)
     more = {"springs_kind": spring_set, "path": path}
 
@@ -103,6 +104,15 @@ def design(
     _print(table, written)
     if record:
         print_summary(record)
+
+
+def _check_files(files: list[Path], *read: Path | None) -> None:
+    """Refuse files of no known ending, and those that the command reads."""
+    from pysprings.studies.design import check_ending
+
+    for file in files:
+        check_ending(file)
+        refuse_read("--out", file, *read)
 
 
 def _checked(tilt: str | None, joint: str | None, group: Path | None) -> tuple[float | None, float | None]:

@@ -54,6 +54,14 @@ def refuse_no_folder(out: Path) -> None:
         refuse("--out", "is a file, not a folder", out)
 
 
+def refuse_read(option: str, file: Path | None, *read: Path | None) -> None:
+    """Refuse to write over a file that the command reads, or over what other commands read of the folder of a run."""
+    names = ("springs.nc", "full_model.nc", "run.json")
+    inputs = [each / name for each in read if each for name in (names if each.is_dir() else ("",))]
+    if file is not None and file.exists() and any(each.exists() and file.samefile(each) for each in inputs):
+        refuse(option, "is read by this command, and would be lost: name another file", file)
+
+
 def _refuse_contents(out: Path, resume: bool) -> None:
     """Refuse a folder with an interrupted run or with results, and with `resume` one without either."""
     from pysprings.results.layout import results_in

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from pysprings.cli.folders import refuse_read
 from pysprings.cli.options import DrawnFigures, Format, Json, NoFigures, argument, formats_of, option, quantity
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
 
@@ -44,6 +45,7 @@ def ground(
         refuse("--out", "ends in .csv or .xlsx", out)
     if out is not None and out.exists() and not force:
         refuse("--out", "exists already: choose another name, or --force to replace it", out)
+    refuse_read("--out", out, *files)
     down_to = float("inf") if depth is None else depth
     proposal = propose(read_site(files), Options(test, area_ratio, _factors(nkt), layers, down_to))
     if as_json:

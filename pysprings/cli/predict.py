@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pysprings.cli.atlas import SHIPPED_ATLASES, Asked, refuse_without_atlas, springs_of_atlas
+from pysprings.cli.folders import refuse_read
 from pysprings.cli.inputs import springs_or_table
 from pysprings.cli.options import Changes, Json, Rate, SpringSet, argument, option, quantity
 from pysprings.cli.support import print_json, refuse, to_stderr
@@ -165,6 +166,7 @@ def predict(
         load, arm, moment, vertical, u_max, u, rotation, tilt, skirt_length, rate, reference_depth,
         force_x, force_y, moment_x, moment_y, torsion, sequence, points,
     )  # fmt: skip
+    refuse_read("--out", out, result, sequence)
     springs: AnySprings
     if atlas is not None:
         for name in sorted(question.given & {"--rate", "--skirt-length"}):

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, NoReturn
 
-from pysprings.cli.folders import refuse_no_folder
+from pysprings.cli.folders import refuse_no_folder, refuse_read
 from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Json, Rate, Result, argument, named, option
 from pysprings.cli.support import refuse, to_stderr
@@ -34,6 +34,7 @@ def springs(
 ) -> None:
     """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
     chosen, options = "json" if as_json else _format(form, out), dict[str, str]()
+    refuse_read("--out", out, None if chosen == "nc" else result)
     if wide and chosen not in ("csv", "wide"):
         refuse("--wide", f"is a form of csv, not of {chosen}")
     given = {"depths": depths, "rate": None if rate is None else f"{rate!r} m/s"}

@@ -50,8 +50,9 @@ def sweep(
     Cases that have ended in DIR are not run again; interrupted ones go on. Failed and stopped cases are rows with a
     reason, and end the command with exit code 3.
     """
-    from pysprings.cli.folders import refuse_no_folder
+    from pysprings.cli.folders import refuse_no_folder, refuse_read
     from pysprings.studies.sweep import dataset, study as studies
+    from pysprings.studies.sweep.plan import CASES
     from pysprings.studies.sweep.study_file import read_study
     from pysprings.studies.sweep.worker import Place
 
@@ -59,9 +60,10 @@ def sweep(
         refuse("--jobs", "the scheduler has workers of its own: give one of the two")
     if over is not None and not picture:
         refuse("--over", "names the axes of pictures: give --picture, too")
+    folder = out or Path("out") / f"sweep-{study.stem}"
     for each in table or []:
         dataset.suffix_of(each)
-    folder = out or Path("out") / f"sweep-{study.stem}"
+        refuse_read("--table", each, study, folder / CASES)
     refuse_no_folder(folder)
     plan = read_study(study)
     known = [axis.name for axis in plan.axes]

@@ -268,3 +268,23 @@ def test_a_table_that_holds_nothing_at_rest_is_named(tmp_path, rows, holds):
     done = command(*asked, "--H", "10 kN", "--arm=-2 m")
     assert (done.code == 0) is holds and ("at rest a motion meets no resistance" in done.err) is not holds
     assert "--T: T is left out: torsion is not known" in command(*asked, "--Hx", "9 kN", "--T", "1 N m", "--strict").err
+
+
+def test_what_a_command_reads_is_not_written_over(springs_file: Path, tmp_path: Path) -> None:
+    springs, table, ramp = springs_file, tmp_path / "cases.csv", tmp_path / "ramp.csv"
+    table.write_text("name,H [kN],M [kN m]\na,10,20\n", encoding="utf-8")
+    ramp.write_text("H_N,arm_m\n1e4,2\n", encoding="utf-8")
+    beside = tmp_path / "." / "cases.csv"
+    for args, file in (
+        (("predict", springs, "--H", "10 kN", "--out", springs), springs),
+        (("predict", springs.parent, "--H", "10 kN", "--out", springs), springs),
+        (("predict", springs, "--sequence", ramp, "--out", ramp), ramp),
+        (("design", springs, table, "--out", tmp_path / "new.csv", "--out", beside), table),
+        (("springs", springs, "--format", "json", "--out", springs), springs),
+        (("ground", table, "--out", table, "--force"), table),
+    ):
+        before = file.read_bytes()
+        done = command(*args)
+        assert (done.code, file.read_bytes() == before) == (2, True)
+        assert "is read by this command, and would be lost: name another file" in done.err
+    assert not (tmp_path / "new.csv").exists()
