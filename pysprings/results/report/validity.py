@@ -13,7 +13,7 @@ from pysprings.core.columns import Column, Table, filled
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.core.text import number, with_prefix
 from pysprings.core.words import SOLVED, TILTS
-from pysprings.full_model.accuracy.two_mesh import LEFT, head
+from pysprings.full_model.accuracy.two_mesh import HALVED, LEAST_HALVED, LEFT, head
 from pysprings.full_model.run_record import PathFigures, RunRecord
 from pysprings.macro.comparison_text import COLUMNS, SPACE_NOTE
 from pysprings.results.parts import openings
@@ -217,7 +217,12 @@ def estimate_table(run: RunRecord | None) -> Table | None:
         left = ", ".join(f"{share:g} ({head(name)})" for name, share in how["left"].items())
         note += "extrapolated by difference / (r^order - 1), which leaves these shares of the difference: "
         note += f"{left}; else {factor}."
-        note += "".join(f" {head(name)} is {size:g} % at least." for name, size in how.get("least", {}).items())
+        if names := ", ".join(how.get("halved", ())):
+            note += (
+                f" V of {names} is {HALVED:g} of what halved elements at the tip change, {LEAST_HALVED:g} % at least."
+            )
+        other = " Other" * bool(names)
+        note += "".join(f"{other} {head(name)} is {size:g} % at least." for name, size in how.get("least", {}).items())
     else:
         note += f"{factor}."
     if series := estimate.get("harmonics"):

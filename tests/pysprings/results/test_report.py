@@ -321,6 +321,11 @@ def test_the_estimated_error_is_printed_with_what_it_comes_from() -> None:
     corrected = series | {"extrapolated": {"paths": ["a"], "left": {"load_max": 0.35}, "harmonics_added": ["a"]}}
     note = validity.estimate_table(RunRecord(error_estimate=corrected)).note
     assert "leaves these shares of the difference: 0.35 (load max)" in note and "in their reactions 0.5 of it:" in note
+    corrected["extrapolated"] |= {"least": {"vertical_max": 4.0}, "halved": ["down", "up"]}
+    note = validity.estimate_table(RunRecord(error_estimate=corrected)).note
+    assert (
+        "V of down, up is 0.5 of what halved elements at the tip change, 1 % at least. Other V is 4 % at least" in note
+    )
     assert "0.25 %" in table.note
     none = validity.estimate_table(RunRecord(error_estimate={"estimate_pct": {}, "why_not": "no path in common"}))
     assert none is not None and none.rows == [("no estimate: no path in common",)]
