@@ -21,7 +21,7 @@ from pysprings.macro.response import Response, RowSprings
 from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
 from pysprings.macro.vertical import VerticalTable, build_vertical
 from pysprings.macro.ways import Control
-from pysprings.springs.path import SpringPath, is_rate
+from pysprings.springs.path import TOGETHER, SpringPath, is_rate
 from pysprings.springs.path_ends import UNKNOWN, PathEnd
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import balance
@@ -216,6 +216,10 @@ def _remarks(
         yield NO_VERTICAL
     yield from response.remarks
     yield from of_rate
+    rates, own = [float(part.attrs["rate_m_per_s"]) for part, _ in springs.parts], springs.attrs.get("rate_m_per_s")
+    if rates and all(max(each / own, own / each) > TOGETHER for each in rates):
+        span = " and ".join(number(1e3 * each) for each in rates)
+        yield f"the rate is between those of the springs, {span} mm/s, more than half a decade from both: interpolated"
     if (loads := springs.blended_loads) and not close_loads(np.array(loads), response.origin.load).any():
         span = " and ".join(number(1e-6 * V) for V in loads)
         yield f"V is between the springs at {span} MN, more than 10 % from both: interpolated"

@@ -31,6 +31,14 @@ from tests.support.vertical import RAYS, REST
 LENGTH = 4.0
 
 
+def test_a_rate_far_from_both_of_the_springs_is_a_remark() -> None:
+    """That is more than half a decade."""
+    springs = Springs.of(at_two_rates())
+    texts = [" ".join(MacroModel.from_springs(springs.at_rate(rate)).remarks) for rate in (1e-5, 3e-5, 1e-4)]
+    words = "the rate is between those of the springs, 0.01 and 1 mm/s, more than half a decade from both: interpolated"
+    assert [words in text for text in texts] == [False, False, True]
+
+
 def test_merged_slices_are_answered_at_a_rate() -> None:
     """They have lost a part of the moment: their reactions do not sum to M, which a file's must."""
     coarse = merge_slices(at_two_rates(), 3)
