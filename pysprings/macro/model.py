@@ -216,7 +216,8 @@ def _remarks(
         yield NO_VERTICAL
     yield from response.remarks
     yield from of_rate
-    rates, own = [float(part.attrs["rate_m_per_s"]) for part, _ in springs.parts], springs.attrs.get("rate_m_per_s")
+    rates = [float(part.attrs["rate_m_per_s"]) for part, _ in springs.parts]
+    own = float(springs.attrs.get("rate_m_per_s", np.nan))
     if rates and all(max(each / own, own / each) > TOGETHER for each in rates):
         span = " and ".join(number(1e3 * each) for each in rates)
         yield f"the rate is between those of the springs, {span} mm/s, more than half a decade from both: interpolated"
