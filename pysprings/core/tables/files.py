@@ -205,16 +205,18 @@ def _texts(path: Path, text: str) -> Iterator[Sheet]:
     named = re.fullmatch(r"sep=(.)", first)
     head = "\n".join(text.splitlines()[:40])
     chosen = [named[1]] if named else [each for each in SEPARATORS if each in head] or [","]
+    faults = []
     for separator in chosen:
         try:
             with io.StringIO(text, newline="") as stream:
                 reader = csv.reader(stream, delimiter=separator, strict=True)
                 lines = [(reader.line_num, list(row)) for row in reader if any(cell.strip() for cell in row)]
-        except csv.Error as error:
-            if separator == chosen[-1]:
-                raise _refused(path, f"not a CSV file ({error})") from None
+        except csv.Error as error:  # commas do not separate "a";1,5
+            faults.append(error)
             continue
         yield Sheet(str(path), "", lines[bool(named) :], separator)
+    if len(faults) == len(chosen):
+        raise _refused(path, f"not a CSV file ({faults[-1]})")
 
 
 def _workbook(path: Path, raw: bytes) -> list[Sheet]:

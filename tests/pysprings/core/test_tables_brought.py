@@ -98,6 +98,10 @@ def as_texts(made: Any, sheet: Any) -> None:
             cell.value = str(cell.value).replace(".", ",") if isinstance(cell.value, float) else cell.value
 
 
+def quoted(rows: Rows) -> Rows:
+    return [[f'"{cell}"' if isinstance(cell, str) else cell for cell in row] for row in rows]
+
+
 def in_thousands(made: Any, sheet: Any) -> None:
     sheet.cell(2, sheet.max_column).number_format = '#,##0.00, "M"'
 
@@ -109,6 +113,7 @@ def coloured(made: Any, sheet: Any) -> None:
 SAME: dict[str, Callable[[Rows], Any]] = {
     "commas": lines,
     "semicolons, decimal commas": lambda rows: lines(rows, ";"),
+    "semicolons, quoted texts": lambda rows: lines(quoted(rows), ";"),
     "tabs, decimal commas": lambda rows: lines(rows, "\t"),
     "sep=": lambda rows: "sep=;\n" + lines(rows, ";"),
     "utf-8 with a mark": lambda rows: lines(rows).encode("utf-8-sig"),
