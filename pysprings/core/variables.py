@@ -105,7 +105,8 @@ _SKIRT = _resultants("outer", "the outer face of the skirt", "about the lid cent
 )
 
 _Y = V("y", "lateral displacement of the mean fibre", "m", ("depth", "step"),
-       "positive along +x; u - rotation*depth of a rigid caisson, the mean around the section of an elastic one")
+       "positive along +x; u - rotation*depth of a rigid caisson, the mean around the section of an elastic one; NaN "
+       "in an answer of springs of an elastic caisson")
 
 
 def _slices() -> tuple[Variable, ...]:

@@ -112,7 +112,7 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         "converged": np.ones(u.size, dtype=np.int8),
         "depth_bounds": model.origin["depth_bounds"],
         "usable": support.usable,
-        "y": u - rotation * depth[:, None],
+        "y": (u - rotation * depth[:, None]) * (np.nan if model.attrs.get("caisson_behaviour") == "elastic" else 1.0),
         "p": support.p,
         "range_used": support.used,
         "extrapolated": model.response.lasting(np.fmax(support.used, down.used) > 1.0 + RANGE_SLACK).astype(np.int8),

@@ -75,7 +75,11 @@ def remarks(scene: SceneSections) -> list[str]:
     idle = (name for name in type(scene.soil).model_fields if name in untaken(scene.soil))
     of_ground += [f"soil.{name} has no effect: every layer has its own" for name in idle]
     of_ground += implausible(scene)
-    return of_ground + (off_plane if beyond else [])
+    bends = (
+        "caisson.behaviour: loads act on a stiff patch of a quarter of the lid's radius, around which the lid bends as "
+        f"a plate of {scene.caisson.lid_thickness:g} m without stiffeners: rotation and its stiffness have that share"
+    )
+    return of_ground + ([bends] if scene.caisson.behaviour == "elastic" else []) + (off_plane if beyond else [])
 
 
 def row_of(key: str, value: Any, model: type[BaseModel], name: str) -> Row:

@@ -405,6 +405,16 @@ def test_prediction_agrees_with_the_table_of_variables():
     assert list(variables.problems(curve(make_springs(), u_max=1e-3, n=3), "prediction")) == []
 
 
+def test_the_skirt_of_an_elastic_caisson_has_no_displacement_in_an_answer():
+    """It bends against the lid centre, whose motion the springs answer."""
+    springs = make_springs()
+    rigid = predict(springs, H=1e5)
+    springs.attrs["caisson_behaviour"] = "elastic"
+    elastic = predict(springs, H=1e5)
+    assert np.isnan(elastic["y"]).all() and np.isfinite(rigid["y"]).all()
+    np.testing.assert_array_equal(elastic["p"], rigid["p"])
+
+
 def test_the_command_loads_neither_the_engine_nor_scipy(tmp_path):
     """A fan answers in the time of NumPy, pandas and xarray: SciPy takes 0.3 s, the engine's mechanics compile."""
     write_tree(make_springs(), tmp_path / "springs.nc")
