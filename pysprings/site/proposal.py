@@ -384,9 +384,9 @@ def _measured(unit: Unit, points: Points, inside: Marks, ends: Array, correlated
         shares = min(low, 1.0), 1.0, max(high, 1.0)
         if count < FEWEST_POINTS:
             unit.remarks.append(f"{count} measured {key}: no range")
-        unit.values[key] = Value(
-            np.outer(shares[::-1] if key in WEAKER else shares, best), (f"{count} measured values",), measured=True
-        )
+        lines = np.outer(shares[::-1] if key in WEAKER else shares, best)
+        first, last = points.depth[own].min(), points.depth[own].max()
+        unit.values[key] = Value(lines, (f"{count} measured values, {first:.4g} to {last:.4g} m",), measured=True)
 
 
 def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations: Sequence[Correlation]) -> None:

@@ -218,7 +218,7 @@ def test_measured_strengths_take_the_place_of_the_cone_factor(cpt, weighed, tmp_
     lab.write_text("Depth [m],su [kPa]\n6,26\n8,30\n10,37\n12,40\n14,46\n16,51\n")
     document = proposal(cpt, weighed, lab)
     su = document["layers"][1]["values"]["undrained_shear_strength"]
-    assert su["from"] == ["6 measured values"]
+    assert su["from"] == ["6 measured values, 6 to 16 m"]
     line = np.interp([6, 16], [document["layers"][1]["top_m"], 20.0], su["best"])
     assert line == pytest.approx([26e3, 51e3], rel=0.06)
     # su of the invention over those of the laboratory, times 14
@@ -371,7 +371,7 @@ def test_measured_values_that_are_not_used_have_a_remark_each(tmp_path) -> None:
         "layer 1: 2 measured young_modulus: not used, it counts in a table of layers alone",
         "layer 1: 2 measured relative_density: not used, the table of layers gives it",
         "layer 1: 2 measured hydraulic_conductivity: not used, it counts in a table of layers alone",
-        "layer 1: undrained_shear_strength (2 measured values) is not written: law sand does not use it",
+        "layer 1: undrained_shear_strength (2 measured values, 2 to 4 m) is not written: law sand does not use it",
         "- 1 points below the last layer are not used",
     ):
         assert text in out
