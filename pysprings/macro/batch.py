@@ -36,6 +36,7 @@ PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated
 # largest difference of springs in space from those in one plane [%] that is no mark, and the mark
 MOST_APART, APART = 2.0, "springs in space move {:.2g} % unlike those in one plane under H and M in the plane of H"
 DOWN, LOST = "V beyond the calibrated range of the vertical springs", "no equilibrium"
+ELASTIC = "no vertical springs, and V is not from 0 to twice that of the paths"
 # attributes of one way of states: a batch has marks by case in their place
 _OF_A_WAY = ("warnings", "beyond_range", "refusals", "status", "message")
 
@@ -159,7 +160,9 @@ def _by_space(found: xr.Dataset, space: SpaceAnswers, cases: tuple[Marks, Array]
     aside, V = cases
     rows = np.flatnonzero(aside)
     own = space.cases(np.stack([found[name].values[rows] for name in SPACE_LOADS], axis=1), V[rows])
-    why = np.array([text if text in (PAST, DOWN) else "" for text in found["why_not"].values[rows]], dtype=object)
+    why = np.array(
+        [text if text in (PAST, DOWN, ELASTIC) else "" for text in found["why_not"].values[rows]], dtype=object
+    )
     over = (own["extrapolated"] == 1) & (not extrapolate)
     for marks, text in ((over, SIDEWAYS), (own["converged"] == 0, LOST)):
         why[marks & (why == "")] = text
@@ -261,8 +264,8 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     past = (answer["beyond_end"].values == 1) | limit
     over = (answer["extrapolated"].values == 1) & (not extrapolate)
     sideways = answer["range_used"].values > 1.0 + RANGE_SLACK
-    why = np.full(len(targets), "", dtype=object)
-    for marks, text in ((past, PAST), (over & sideways, SIDEWAYS), (over, DOWN), (reached == 0, LOST)):
+    why, beyond = np.full(len(targets), "", dtype=object), ELASTIC if model.vertical is None else DOWN
+    for marks, text in ((past, PAST), (over & sideways, SIDEWAYS), (over, beyond), (reached == 0, LOST)):
         why[marks & (why == "")] = text
     answered = why == ""
     values = {
