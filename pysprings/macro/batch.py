@@ -36,7 +36,7 @@ PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated
 # largest difference of springs in space from those in one plane [%] that is no mark, and the mark
 MOST_APART, APART = 2.0, "springs in space move {:.2g} % unlike those in one plane under H and M in the plane of H"
 DOWN, LOST = "V beyond the calibrated range of the vertical springs", "no equilibrium"
-ELASTIC = "no vertical springs, and V is not from 0 to twice that of the paths"
+ELASTIC = "V beyond what is known without vertical springs, 0 to twice that of the paths"
 # attributes of one way of states: a batch has marks by case in their place
 _OF_A_WAY = ("warnings", "beyond_range", "refusals", "status", "message")
 

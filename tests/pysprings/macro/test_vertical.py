@@ -501,7 +501,11 @@ def test_the_share_of_the_vertical_load_that_is_used():
     np.testing.assert_allclose(batch["utilisation_V"], [5e6 / end, -3e5 / up])
     bare = vertical_springs(ends=())
     assert "utilisation_V" not in predict(bare, H=1e3, arm=1.0)
-    assert predict_batch(bare, H=0.0, V=3.0 * REST)["why_not"].values[0].startswith("no vertical springs, and V is not")
+    assert (
+        predict_batch(bare, H=0.0, V=3.0 * REST)["why_not"]
+        .values[0]
+        .startswith("V beyond what is known without vertical springs")
+    )
     assert np.isnan(float(predict(vertical_springs(ends=(1e-2,)), V=-1e5, extrapolate=True)["utilisation_V"]))
 
 
