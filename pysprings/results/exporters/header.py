@@ -212,8 +212,8 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
     rate = f", {1e3 * path.rate:.4g} mm/s of rho" if path.rate and "coupled" in drainage.split(", ") else ""
     return (
         f"{drainage} {path.kind}, {height}"
-        f"{path.attrs['role']}, {path.attrs['status']}: |u| to {1e3 * u:.4g} mm, "
-        f"|rotation| to {1e3 * rotation:.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path.load:.5g} kN{rate}; "
+        f"{path.attrs['role']}, {path.attrs['status']}: |u| to {round(1e3 * u, 9):.4g} mm, "
+        f"|rotation| to {round(1e3 * rotation, 9):.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path.load:.5g} kN{rate}; "
         f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
         f"Beyond this range every use is an extrapolation.{ended}"
     )

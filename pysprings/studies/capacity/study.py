@@ -85,7 +85,7 @@ def study(
     if request.torsion and (why := [text for _, text in off_plane_refusals(scene, whole=True)]):
         raise refused("--torsion", f"the load leaves the plane of H and M: {'; '.join(why)}")
     if springs is not None:
-        _refuse_other_caisson(springs, scene)
+        _refuse_other_springs(springs, scene)
     groups = list(plan.groups(scene, request))
     every = points.planned(groups, request)
     with new_folder(out), exclusive(out):
@@ -104,7 +104,7 @@ def assess(
     cases: LoadCases | None = None,
 ) -> points.Capacity:  # fmt: skip
     """Return the capacities of ended runs."""
-    rows, remarks = [], []
+    rows, remarks = [], [] if springs is None else _other_drainage(springs, scene)
     for group in dict.fromkeys(each.planned.group.name for each in ended):
         own = [each for each in ended if each.planned.group.name == group]
         if own[0].overloaded:
@@ -148,14 +148,24 @@ def model_at(springs: AnySprings, load: float) -> tuple[MacroModel | None, str]:
     return None, f"the springs are those at V = {with_prefix(own, 'N')}: no macro-model beside this load"
 
 
-def _refuse_other_caisson(springs: AnySprings, scene: Scene) -> None:
-    """Refuse springs of a caisson that is not that of a scene."""
+def _refuse_other_springs(springs: AnySprings, scene: Scene) -> None:
+    """Refuse springs of a caisson that is not that of a scene, and springs at several rates, of which it has none."""
     given, caisson = typed(springs), scene.caisson
     known = given.attrs if isinstance(given, Springs) else {}
     for name, own in (("outer_diameter", caisson.outer_diameter), ("skirt_length", caisson.skirt_length)):
         there = float(known.get(f"{name}_m", own))
         if not math.isclose(there, own, rel_tol=1e-3):
             raise refused("--springs", f"{name.replace('_', ' ')} {there:g} m; that of the scene is {own:g} m")
+    if isinstance(given, Springs) and len(given.rate_sets) > 1:
+        raise refused("--springs", "are at several rates, and a capacity has none: leave them out, for rays of its own")
+
+
+def _other_drainage(springs: AnySprings, scene: Scene) -> list[str]:
+    """Return a remark where water takes part otherwise in springs than in the probes of a scene."""
+    given = typed(springs)
+    if not isinstance(given, Springs) or given.drainage == scene.layer_drainage:
+        return []
+    return [f"the springs beside the full model are {given.drainage}, its probes {scene.layer_drainage}"]
 
 
 def _model_of(ended: Iterable[points.Ended]) -> tuple[MacroModel | None, str]:

@@ -17,6 +17,7 @@ from pysprings.full_model.run_record import LimitLoad, RunRecord, significant
 from pysprings.results.exporters.header import range_of_path
 from pysprings.results.folder import run_to_folder
 from pysprings.results.summary import _stiffness, _vertical, summary
+from pysprings.springs.path import SpringPath
 from tests.support import tiny, winkler
 from tests.support.fans import fan_springs, potential
 from tests.support.rates import with_vertical
@@ -97,6 +98,9 @@ def test_springs_at_several_rates_have_no_tilt_for_that_reason_and_each_path_nam
     assert line.startswith("not known at the design load, H 0.1 MN at 0 m: the calibration paths have several rates")
     for name, rate in (("ray_1_0", "0.01"), ("ray_1_1", "1")):
         assert f"kN, {rate} mm/s of rho; out of balance" in range_of_path(springs.drainage, springs.paths[name])
+    path = springs.paths["ray_1_0"]
+    noise = SpringPath("a", path.dataset.assign(rotation=0.0 * path.dataset["rotation"] + 4e-18), path.length)
+    assert "|rotation| to 0 mrad" in range_of_path(springs.drainage, noise)
 
 
 def test_what_is_carried_beyond_cavitation_is_no_load_of_the_summary(folder: Path) -> None:

@@ -24,7 +24,7 @@ from pysprings.studies.capacity import picture, plan, points, study
 from pysprings.studies.capacity.envelope import utilisation
 from pysprings.studies.capacity.picture import envelopes
 from pysprings.studies.capacity.points import Capacity, Criterion, assess
-from tests.support import synthetic, tiny, vertical
+from tests.support import rates, synthetic, tiny, vertical
 from tests.support.commands import command
 from tests.support.place import ROOT
 
@@ -443,9 +443,17 @@ def test_springs_beside_the_full_model_are_those_of_its_vertical_load() -> None:
     assert [why for _, why in found.values()][:2] == ["", ""] and "those at V = 4 MN" in found[8e6][1]
 
 
+def test_springs_in_which_water_takes_part_otherwise_have_a_remark() -> None:
+    remarks = []
+    for springs in (rates.at_two_rates(speeds=(1e-3,)), vertical.vertical_springs()):
+        remarks.append(study.assess(SCENE, plan.Request((1e6,)), [], springs).remarks)
+    assert remarks == [("the springs beside the full model are coupled, its probes drained",), ()]
+
+
 def test_refusals(tmp_path: Path) -> None:
     file = tiny.write(SCENE, tmp_path / "tiny.toml")
     other = save_springs(synthetic.make_springs(caisson=synthetic.Caisson(length=5.0)), tmp_path / "other.nc")
+    several = save_springs(rates.at_two_rates(), tmp_path / "several.nc")
     for given, message in (
         (("--V", "3"), "--V 3: expected a quantity with unit"),
         (("--factor", "0.5"), '--factor: "0.5": expected a number'),
@@ -458,6 +466,7 @@ def test_refusals(tmp_path: Path) -> None:
         ),
         (("--springs", tmp_path / "no"), "--springs: no such file or folder"),
         (("--springs", other), "--springs: skirt length 5 m; that of the scene is 4 m"),
+        (("--springs", several), "--springs: are at several rates, and a capacity has none"),
         (("--springs", other, "--factor", "1.25"), "--springs: are of one strength"),
     ):
         done = command("capacity", file, *given, "--out", tmp_path / "out")
