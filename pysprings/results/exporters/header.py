@@ -213,8 +213,8 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
     return (
         f"{drainage} {path.kind}, {height}"
         f"{path.attrs['role']}, {path.attrs['status']}: |u| to {round(1e3 * u, 9):.4g} mm, "
-        f"|rotation| to {round(1e3 * rotation, 9):.4g} mrad, |H| to {1e-3 * load:.5g} kN, V {1e-3 * path.load:.5g} kN{rate}; "
-        f"out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
+        f"|rotation| to {round(1e3 * rotation, 9):.4g} mrad, |H| to {1e-3 * load:.5g} kN, "
+        f"V {1e-3 * path.load:.5g} kN{rate}; out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
         f"Beyond this range every use is an extrapolation.{ended}"
     )
 
