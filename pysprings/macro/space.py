@@ -124,7 +124,7 @@ class SpaceAnswers:
         out |= {name: np.zeros(len(pushes), dtype=np.int8) for name in _MARKS}
         for k, push in enumerate(pushes):
             found = self.answer("load", push[None], None if np.isnan(V[k]) else V[[k]])
-            for name in out if found.sizes["step"] else ():
+            for name in () if found.attrs["message"] else out:
                 out[name][k] = found[name].values[0] if name in found else 0
         return out
 

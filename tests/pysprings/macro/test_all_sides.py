@@ -261,6 +261,11 @@ def test_w_out_of_one_plane_is_that_of_a_sequence_and_of_v_beside() -> None:
     assert float(steps["w"][1] - found["w"][1]) == pytest.approx(6e-5 - (V - REST) / own.K, rel=0.1)  # what stays
     with pytest.raises(BeyondSprings, match="is beyond the vertical springs"):
         sequence_in_space(tree, LOADS[2:3], V=2.38e6 + 1e6)
+    for name in ("t", "V", "V_tip", "V_lid"):  # pull-out: no w carries more
+        values = tree["paths/up"][name].values
+        values[..., -6:] = values[..., -6:-5]
+    pulled = batch(tree, LOADS[2:3], V=-2e6, extrapolate=True)
+    assert pulled["why_not"].values.tolist() == ["no equilibrium"] and np.isnan(pulled["w"].values).all()
 
 
 def test_the_set_in_space_is_built_for_rows_aside_alone(monkeypatch) -> None:
