@@ -88,12 +88,12 @@ def atlas(
     held_back: Annotated[
         Path | None, option("--held-back", "study of pulls that the atlas is checked on", "STUDY")
     ] = None,
-    out: Annotated[Path | None, option("--out", "file \\[default: FAMILY.nc]", "FILE")] = None,
-    at: Annotated[str | None, option("--at", "where pulls are compared \\[default: 0.001,0.01]", "U/D[,U/D]")] = None,
+    out: Annotated[Path | None, option("--out", "file [default: FAMILY.nc]", "FILE")] = None,
+    at: Annotated[str | None, option("--at", "where pulls are compared [default: 0.001,0.01]", "U/D[,U/D]")] = None,
     table: Annotated[Path | None, option("--table", "write the comparison, a row a quantity: .csv", "FILE")] = None,
     as_json: Json = False,
 ) -> None:
-    """Make an atlas of a study: springs of any caisson between its cases, with a predicted standard deviation.
+    """Make springs of any caisson between the cases of a study.
 
     Errors of cases that are left out one by one, and of held-back pulls, are printed and stored in the file.
     """

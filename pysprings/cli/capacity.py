@@ -46,7 +46,7 @@ def capacity(
             "ANGLE",
         ),
     ] = None,
-    out: Annotated[Path | None, option("--out", "result folder \\[default: out/capacity-SCENE]", "DIR")] = None,
+    out: Annotated[Path | None, option("--out", "result folder [default: out/capacity-SCENE]", "DIR")] = None,
     factor: Annotated[
         list[str] | None,
         option("--factor", "also with design strength: 1.25 on tan phi, c and su, or su=1.4; repeated", "FACTOR"),
@@ -69,9 +69,10 @@ def capacity(
     jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
-    """Push the full model to failure in directions of H, M (and T) at given V: the envelope, with nothing fitted.
+    """Push the full model to failure in directions of H, M (and T).
 
-    Runs that have ended in DIR are not run again; interrupted ones go on. Series where the scene allows.
+    At given V; nothing is fitted. Runs that have ended in DIR are not run again; interrupted ones go on.
+    Series where the scene allows.
     """
     from pysprings.cli.folders import refuse_no_folder
     from pysprings.core.tables.load_cases import read_load_cases

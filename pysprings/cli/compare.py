@@ -26,7 +26,7 @@ def compare(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Set the prediction with the springs beside the full model, by path: eta and errors."""
+    """Set the springs beside the full model: eta and errors by path."""
     tree = springs_of(result)
     if slices and cycles:
         refuse("--cycles", "give either this or --slices")
@@ -67,7 +67,7 @@ def diff(
     figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
-    """Set two runs beside each other: scenes, initial stiffness, loads at equal motion, limit loads."""
+    """Set two runs beside each other: stiffness, loads, limits. Scenes are compared, loads at equal motion."""
     from pysprings.results.two_runs import common_paths, differences
 
     if out is not None:

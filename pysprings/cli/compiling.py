@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 
 def compile(  # the name of the command
-    scene: Annotated[Path | None, argument("[SCENE]", "scene file (TOML) \\[default: all templates]")] = None,
+    scene: Annotated[Path | None, argument("[SCENE]", "scene file (TOML) [default: all templates]")] = None,
     changes: Changes = None,
     as_json: Json = False,
 ) -> None:
-    """Compile beforehand what runs need: of one scene, or of the kinds of scenes of all templates.
+    """Compile what runs of a scene, or of all templates, need.
 
     A small model of the scene is run and thrown away; the compiled loops are kept until the program changes.
     """

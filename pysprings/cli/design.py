@@ -25,7 +25,7 @@ def design(
         argument("CASES", "load cases (CSV, Excel), units in the headings; by default design.cases of the scene"),
     ] = None,
     tilt: Annotated[
-        str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"; by default \\[design] tilt', "ANGLE")
+        str | None, option("--tilt", 'tolerated rotation, e.g. "0.25 deg"; by default [design] tilt', "ANGLE")
     ] = None,
     out: Annotated[
         list[Path] | None,
@@ -53,7 +53,7 @@ def design(
     path: Annotated[str | None, option("--path", "load path whose springs answer (full, py)", "NAME")] = None,
     as_json: Json = False,
 ) -> None:
-    """Answer load cases: motion, tilt, stiffness, utilisation, and what is not known, case by case.
+    """Answer load cases: motion, tilt, stiffness, utilisation, marks.
 
     CASES has a row a load: name, limit state, H, M or arm, V, direction, factor, tilt, with units in the headings.
     Rows of one name act together. The summary of the run stands below the answers. Of a folder with several estimates

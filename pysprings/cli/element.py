@@ -53,27 +53,25 @@ _KEYS = (
 def element(
     scene: SceneFile,
     test: Annotated[ElementTest, option("--test", "kind of test")] = "triaxial",
-    layer: Annotated[str | None, option("--layer", "layer \\[default: the only one]", "NAME")] = None,
+    layer: Annotated[str | None, option("--layer", "layer [default: the only one]", "NAME")] = None,
     stress: Annotated[
         list[str] | None, option("--stress", 'consolidation stress, e.g. "100 kPa"; repeated', "STRESS")
     ] = None,
     drainage: Annotated[
         Literal["drained", "undrained"], option("--drainage", "constant cell pressure, or constant volume")
     ] = "drained",
-    depth: Annotated[
-        float | None, quantity("--depth", "m", "3 m", "where values by depth are taken \\[middle]")
-    ] = None,
+    depth: Annotated[float | None, quantity("--depth", "m", "3 m", "where values by depth are taken [middle]")] = None,
     strain: Annotated[float | None, option("--strain", "last strain, e.g. 0.1; by default of the kind")] = None,
     data: Annotated[Path | None, option("--data", "measured tests (CSV, xlsx)", "FILE")] = None,
     fit: Annotated[str | None, option("--fit", "keys of the layer to fit to --data", "KEY,KEY")] = None,
-    out: Annotated[Path | None, option("--out", "folder \\[default: out/element-SCENE]", "DIR")] = None,
+    out: Annotated[Path | None, option("--out", "folder [default: out/element-SCENE]", "DIR")] = None,
     changes: Changes = None,
     figures: DrawnFigures = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
-    """Drive one point of a layer's law through a laboratory test; set it beside data, and fit keys to them."""
+    """Drive a layer's law through a laboratory test. Set it beside data, and fit keys to them."""
     formats = formats_of(figures, no_figures, figure_format)
     loaded = load(scene, None, changes)
     folder = Path("out") / f"element-{scene.stem}" if out is None else out

@@ -26,7 +26,7 @@ def explore(
         int, typer.Option("--port", help="port of the page on 127.0.0.1; 0: any free one", min=0, max=65535)
     ] = PORT,
 ) -> None:
-    """Serve a page on 127.0.0.1 to try loads (of an atlas also caisson and ground), until Ctrl-C.
+    """Serve a page on 127.0.0.1 to try loads. Of an atlas also caisson and ground; until Ctrl-C.
 
     It answers as `predict` and `design` do, with their marks and refusals, and shows the command of each answer. Needs
     the extra `explore`.

@@ -21,9 +21,9 @@ def ground(
     area_ratio: Annotated[
         float | None, typer.Option("--area-ratio", min=0.1, max=1.0, help="net area ratio of the cone")
     ] = None,
-    nkt: Annotated[str | None, option("--nkt", "cone factors N_kt \\[default: 10,14,18]", "N,N,N")] = None,
+    nkt: Annotated[str | None, option("--nkt", "cone factors N_kt [default: 10,14,18]", "N,N,N")] = None,
     depth: Annotated[
-        float | None, quantity("--depth", "m", "30 m", "depth to which a CPT counts \\[default: all]")
+        float | None, quantity("--depth", "m", "30 m", "depth to which a CPT counts [default: all]")
     ] = None,
     layers: Annotated[int, typer.Option("--layers", min=1, max=50, help="the most layers that are proposed")] = 10,
     force: Annotated[bool, option("--force", "replace an existing table")] = False,
@@ -32,7 +32,7 @@ def ground(
     figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
-    """Propose layers with low, best and high values from a CPT, from points by depth, or from layers.
+    """Propose layers with their values from a CPT, points or layers.
 
     What it writes is a proposal: read it, edit it, and name it in `soil.profile` of a scene. Nothing of a CPT is
     computed inside a run.

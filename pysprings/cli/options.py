@@ -34,7 +34,7 @@ EstimateError = Annotated[
     bool | None,
     option(
         "--estimate-error/--no-estimate-error",
-        "also run a coarser mesh, and estimate the error from both \\[default: with Fourier series]",
+        "also run a coarser mesh, and estimate the error from both [default: with Fourier series]",
     ),
 ]
 Changes = Annotated[
@@ -52,7 +52,7 @@ NoFigures = Annotated[bool, option("--no-figures", "draw no pictures: --figures 
 Format = Annotated[FigureFormat, option("--figure-format", "format of the pictures")]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", metavar="N", min=1, help="worker processes; 1: none \\[default: the cores of the machine]"),
+    typer.Option("--jobs", metavar="N", min=1, help="worker processes; 1: none [default: the cores of the machine]"),
 ]
 Json = Annotated[bool, option("--json", "one JSON document on stdout")]
 
@@ -101,11 +101,11 @@ SpringSet = Annotated[
         "--springs",
         SPRING_SETS,
         f"springs to use: {', '.join(f'{each.name} ({each.description})' for each in _SETS)} "
-        "\\[default: fan if present, else full]",
+        "[default: fan if present, else full]",
         _SETS,
     ),
 ]
 Rate = Annotated[
     float | None, quantity("--rate", "m/s", "0.1 mm/s", "of rho = |(u, rotation*L)|, for springs from several rates")
 ]
-OneSpringSet = Annotated[str | None, named("--springs", SPRING_SETS, "only these springs \\[default: all]", _SETS)]
+OneSpringSet = Annotated[str | None, named("--springs", SPRING_SETS, "only these springs [default: all]", _SETS)]

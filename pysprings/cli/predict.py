@@ -113,7 +113,7 @@ def predict(
         float | None, quantity("--u-max", "m", "5 mm", 'a whole curve up to this displacement, e.g. "5 mm"')
     ] = None,
     points: Annotated[
-        int | None, typer.Option("--points", help="points of the curve \\[default: 50]", min=2, max=10_000)
+        int | None, typer.Option("--points", help="points of the curve [default: 50]", min=2, max=10_000)
     ] = None,
     u: Annotated[float | None, quantity("--u", "m", "3 mm", "the load at this displacement")] = None,
     rotation: Annotated[
@@ -156,7 +156,7 @@ def predict(
     out: Annotated[Path | None, option("--out", "write the answer to a file: csv, json or nc", "FILE")] = None,
     as_json: Json = False,
 ) -> None:
-    """Predict displacement and rotation of the rigid caisson on its springs, or a load-displacement curve.
+    """Predict the motion of the rigid caisson on its springs. One state, or a load-displacement curve.
 
     SPRINGS may be a table of p-y curves (CSV, Excel) with columns depth_m, y_m, p_N_per_m, and companions if any.
     """

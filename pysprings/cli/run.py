@@ -83,7 +83,7 @@ class RunOptions:
 
 def run(
     scene: SceneFile,
-    out: Annotated[Path | None, option("--out", "result folder \\[default: out/SCENE]", "DIR")] = None,
+    out: Annotated[Path | None, option("--out", "result folder [default: out/SCENE]", "DIR")] = None,
     mesh: Mesh = None,
     discretisation: Series = None,
     target: Target = None,
@@ -97,7 +97,7 @@ def run(
     changes: Changes = None,
     figures: Annotated[
         Figures | None,
-        option("--figures", "pictures: none, those that the report shows, or all \\[default: as the scene]"),
+        option("--figures", "pictures: none, those that the report shows, or all [default: as the scene]"),
     ] = None,
     no_figures: NoFigures = False,
     figure_format: Format = "png",
@@ -107,7 +107,7 @@ def run(
     log: Annotated[Path | None, option("--log", "also write progress and messages to a file", "FILE")] = None,
     as_json: Json = False,
 ) -> None:
-    """Run the full model, extract the springs, predict with them, and write tables and pictures."""
+    """Run the full model; write springs, tables and pictures."""
     from pysprings.cli.results import print_results, results
 
     if verbose and quiet:

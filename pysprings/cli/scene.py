@@ -49,7 +49,7 @@ def init(
     ] = "caisson",
     force: Annotated[bool, option("--force", "replace existing files")] = False,
 ) -> None:
-    """Write a commented scene, and the JSON schema that helps editors with it."""
+    """Write a commented scene, and a JSON schema for editors."""
     written = write_scene(file, template, force)
     for path in written:
         print(path)
@@ -65,7 +65,7 @@ def check(
     changes: Changes = None,
     as_json: Json = False,
 ) -> None:
-    """Validate a scene; print its defaults, what it leaves out, the size of the model and its cost. Solves nothing."""
+    """Validate a scene; print its defaults, omissions, size and cost. It solves nothing."""
     from pysprings.cli.run import target_start
     from pysprings.full_model.accuracy.target import runs_ahead
     from pysprings.model.forecast.estimate import describe

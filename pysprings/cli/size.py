@@ -42,7 +42,7 @@ def size(
     figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
-    """Find the diameter and skirt length of the least steel that meets load cases in tilt and utilisation.
+    """Find the caisson of the least steel that meets load cases.
 
     The atlas answers, at the V of each case; its rotation counts with 1.96 standard deviations. The thickness of the
     skirt is the share of the diameter that the atlas has. With --confirm the full model pulls the result to every

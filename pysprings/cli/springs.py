@@ -21,9 +21,9 @@ SPRING_FILES = [each for each in EXPORTERS if each.is_spring_file]
 def springs(
     result: Result,
     form: Annotated[
-        str | None, named("--format", EXPORTERS, "format \\[default: from --out, else csv]", SPRING_FILES)
+        str | None, named("--format", EXPORTERS, "format [default: from --out, else csv]", SPRING_FILES)
     ] = None,
-    out: Annotated[Path | None, option("--out", "file to write \\[default: stdout]", "FILE")] = None,
+    out: Annotated[Path | None, option("--out", "file to write [default: stdout]", "FILE")] = None,
     wide: Annotated[bool, option("--wide", "csv: rows are steps, a pair of columns y, p a depth")] = False,
     use: Annotated[
         Use | None, option("--for", "one set of curves for a beam program, with its error (csv, xlsx)")
@@ -32,7 +32,7 @@ def springs(
     rate: Rate = None,
     as_json: Json = False,
 ) -> None:
-    """Write p-y and companion tables (csv: the long p-y table; the other formats hold everything)."""
+    """Write p-y and companion tables. CSV is the long p-y table; the other formats hold everything."""
     chosen, options = "json" if as_json else _format(form, out), dict[str, str]()
     refuse_read("--out", out, None if chosen == "nc" else result)
     if wide and chosen not in ("csv", "wide"):
@@ -80,12 +80,12 @@ def _format(form: str | None, out: Path | None) -> str:
 def export(
     result: Annotated[Path, argument("RESULT", "folder of a run, springs.nc, or full_model.nc")],
     to: Annotated[str | None, named("--to", EXPORTERS, "format or program")] = None,
-    out: Annotated[Path | None, option("--out", "folder for the files \\[default: NAME/ beside RESULT]", "DIR")] = None,
+    out: Annotated[Path | None, option("--out", "folder for the files [default: NAME/ beside RESULT]", "DIR")] = None,
     option: Annotated[
         list[str] | None, option("--option", "option of the export; may be repeated", "NAME=VALUE")
     ] = None,
 ) -> None:
-    """Write files for other programs, a folder for each estimate. ParaView files need \\[output] paraview = true."""
+    """Write files for other programs, a folder for each estimate. ParaView files need [output] paraview = true."""
     from pysprings.results.estimates import all_folders_of
 
     exporter = EXPORTERS.find(to, "--to") if to else _refuse_no_target()
@@ -150,10 +150,10 @@ def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Sour
 def soildyn(
     out: Annotated[Path, argument("DIR", "folder for the library")],
     compiler: Annotated[
-        str | None, option("--compiler", "C compiler \\[default: CC, cc, gcc or clang]", "COMMAND")
+        str | None, option("--compiler", "C compiler [default: CC, cc, gcc or clang]", "COMMAND")
     ] = None,
 ) -> None:
-    """Build the library that SoilDyn (OpenFAST) loads for springs of `export --to openfast`."""
+    """Build the library of `export --to openfast` for SoilDyn."""
     from pysprings.results.exporters.soildyn.library import build
 
     refuse_no_folder(out)

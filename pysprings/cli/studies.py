@@ -11,7 +11,7 @@ from pysprings.core.errors import RunIncomplete
 
 def accuracy(
     scene: SceneFile,
-    out: Annotated[Path | None, option("--out", "result folder \\[default: out/accuracy-SCENE]", "DIR")] = None,
+    out: Annotated[Path | None, option("--out", "result folder [default: out/accuracy-SCENE]", "DIR")] = None,
     quick: Annotated[bool, option("--quick", "small meshes and few settings")] = False,
     mesh: Annotated[
         list[str] | None, option("--mesh", "a mesh of the series, or medium:0.7; repeated, three at best", "PRESET")
@@ -22,7 +22,7 @@ def accuracy(
     figure_format: Format = "png",
     as_json: Json = False,
 ) -> None:
-    """Measure error against run time over meshes, steps, tolerances and linear solvers: table, picture, Pareto front.
+    """Measure error against run time over meshes and settings. Table, picture, Pareto front.
 
     Runs that have ended in DIR are not run again; interrupted ones go on.
     """
@@ -48,7 +48,7 @@ def stability(
     jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
-    """Run the stiff and extreme cases: how each ends, steps, cut-backs, residuals, balances.
+    """Run the stiff and extreme cases: outcome, steps, residuals.
 
     Ends with exit code 3 where a case stops without a named reason.
     """

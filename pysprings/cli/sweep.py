@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 def sweep(
     study: Annotated[Path, argument("STUDY", "study file (TOML): base scene and axes")],
-    out: Annotated[Path | None, option("--out", "result folder \\[default: out/sweep-STUDY]", "DIR")] = None,
+    out: Annotated[Path | None, option("--out", "result folder [default: out/sweep-STUDY]", "DIR")] = None,
     scheduler: Annotated[
         str | None,
         option("--scheduler", "Dask scheduler (tcp://...), or its scheduler file; not this machine", "ADDRESS"),
     ] = None,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", metavar="N", min=1, help="processes on this machine \\[default: its cores]")
+        int | None, typer.Option("--jobs", metavar="N", min=1, help="processes on this machine [default: its cores]")
     ] = None,
     plan_only: Annotated[bool, option("--plan", "check the cases and write cases.csv; run nothing")] = False,
     again: Annotated[bool, option("--again", "make cases.csv anew from a changed study; what has run stays")] = False,
@@ -39,13 +39,13 @@ def sweep(
         list[str] | None, option("--picture", "draw a quantity of study.nc, e.g. K_H; may be repeated", "NAME")
     ] = None,
     over: Annotated[
-        str | None, option("--over", "axes of the pictures \\[default: the first two]", "AXIS[,AXIS]")
+        str | None, option("--over", "axes of the pictures [default: the first two]", "AXIS[,AXIS]")
     ] = None,
     figure_format: Format = "png",
     quiet: Annotated[bool, option("--quiet", "errors and warnings alone")] = False,
     as_json: Json = False,
 ) -> None:
-    """Run a base scene over axes of its values: a folder a case, cases.csv, and study.nc with all of them.
+    """Run a scene over axes of its values. A folder a case; cases.csv and study.nc have all of them.
 
     Cases that have ended in DIR are not run again; interrupted ones go on. Failed and stopped cases are rows with a
     reason, and end the command with exit code 3.
