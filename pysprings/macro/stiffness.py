@@ -27,7 +27,7 @@ from pysprings.macro.predict import Asking, impose, model_of, predict
 DOFS = MOTIONS
 NO_TORSION = "torsion (rot_z) is not known, as no full model has computed it: its row and column are 0"
 AT_REST = "torsion (rot_z) is that of the full model at rest: less where torsion or lateral loads mobilise friction"
-# the first run's caisson, 0.15, 0.3, 0.6, 1 MN at 3 m: 2.50, 2.03, 1.24, 0.78 GN/m by full models, H and M alike
+# data/evidence/stiffness-w.csv: by full models at equal H and M
 W_APART = (
     "w is not coupled with u and rotation, and its stiffness is that under V alone: a lateral load softens it "
     "(in sand to 0.8, 0.5, 0.3 of it at 20, 40, 70 % of the range)"
