@@ -156,6 +156,11 @@ def has_free_head(attrs: Mapping[Any, Any]) -> bool:
     return kind is not None and kind.free_head
 
 
+def height_of_load(attrs: Mapping[Any, Any]) -> float | None:
+    """Return the height [m] above mudline where the load of a path acts; None without a free head, or if it changes."""
+    return float(attrs["arm_m"]) if has_free_head(attrs) and "arm_m" in attrs and not bends(attrs) else None
+
+
 def is_straight(attrs: Mapping[object, object]) -> bool:
     """Return whether a path keeps its direction: by its kind, or marked so (paths read from a table have no kind)."""
     kind = PATH_KINDS.get(str(attrs["kind"]))

@@ -12,7 +12,8 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.errors import BeyondSprings, PyspringsError, UserInputError
-from pysprings.core.path_kinds import HELD_BACK, PATH_KINDS
+from pysprings.core.loads import same_load
+from pysprings.core.path_kinds import HELD_BACK, PATH_KINDS, height_of_load
 from pysprings.core.text import number, percent
 from pysprings.core.words import sudden
 from pysprings.full_model.run_record import RunRecord, significant
@@ -93,7 +94,8 @@ def _loads(run: Run) -> str:
             u, turn, value = (float(best[1][name][at]) for name in ("u", "rotation", load))
             (u,), (turn,) = significant((u,), (turn,), length)
             parts.append(
-                f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, {math.degrees(turn):.3g} deg)"
+                f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, "
+                f"{math.degrees(turn):.3g} deg{_under(best[1], float(best[1]['V'][at]))})"
             )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
 
@@ -197,21 +199,27 @@ def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | str:
 def _tilt_on_path(run: Run, tolerated: float) -> str:
     """Give the load of a tilt [deg] on the highest pull with a free head, or its largest tilt."""
     pulls = [(name, path) for name, path in _lateral(run) if PATH_KINDS[str(path.attrs["kind"])].free_head]
-    pulls = [each for each in pulls if "arm_from_m" not in each[1].attrs]
+    pulls = [each for each in pulls if height_of_load(each[1].attrs) is not None]
     if not pulls:
         return ""
     name, path = max(pulls, key=lambda item: float(item[1].attrs.get("arm_m", 0.0)))
     turn, load = np.degrees(np.abs(path["rotation"].values)), np.abs(path["H"].values)
-    where = f"under a load at {float(path.attrs['arm_m']):g} m (path {name})"
+    where, V = f"under a load at {float(path.attrs['arm_m']):g} m", path["V"].values
     reached = np.flatnonzero(turn >= tolerated)
     if not reached.size:
         at = int(turn.argmax())
-        found = f"{turn[at]:.3g} deg at H {1e-6 * float(load[at]):.4g} MN {where}; {tolerated:.3g} deg is not reached"
-        return f"{found}; no [design] load"
+        found = f"{turn[at]:.3g} deg at H {1e-6 * float(load[at]):.4g} MN {where} (path {name}{_under(path, V[at])})"
+        return f"{found}; {tolerated:.3g} deg is not reached; no [design] load"
     k = int(reached[0])
     between = slice(max(k - 1, 0), k + 1)  # a path may turn back
-    there = 1e-6 * float(np.interp(tolerated, turn[between], load[between]))
-    return f"{tolerated:.3g} deg at H {there:.4g} MN {where}; no [design] load"
+    there, down = (float(np.interp(tolerated, turn[between], values[between])) for values in (load, V))
+    under = f"(path {name}{_under(path, down)})"
+    return f"{tolerated:.3g} deg at H {1e-6 * there:.4g} MN {where} {under}; no [design] load"
+
+
+def _under(path: xr.Dataset, V: float) -> str:
+    """Return words for a vertical load that is not that of the start of a path: w is held, or V changes on the way."""
+    return "" if same_load(V, float(path["V"][0])) else f", V {1e-6 * V:.4g} MN"
 
 
 def _range(run: Run) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 from pysprings.core.errors import PyspringsError
-from pysprings.core.path_kinds import MEMORY, driven, has_free_head, turns_back
+from pysprings.core.path_kinds import MEMORY, driven, has_free_head, height_of_load, turns_back
 from pysprings.core.text import percent
 from pysprings.macro import measures
 from pysprings.macro.spring_sets import SPRING_SETS
@@ -181,7 +181,9 @@ def _in_ground(axes: Axes, view: View, scene: Scene) -> None:
     tip = 0.0 if at < -0.2 * radius else -1.05 * radius  # beside the lid
     shown = view.path["H" if has_free_head(attrs) else "u"].values[converged(view.path)]
     turns = not has_free_head(attrs) and np.abs(shown).max(initial=0.0) <= SMALLEST
-    words = f"H at {arm:.4g} m" if has_free_head(attrs) else "rotation alone" if turns else "motion of the lid"
+    words = "rotation alone" if turns else "motion of the lid"
+    if has_free_head(attrs):
+        words = "H, height varies" if height_of_load(attrs) is None else f"H at {arm:.4g} m"
     along = ((tip, at), (tip - SIZE * radius, at))
     if not turns:
         axes.annotate("", *(along[::-1] if shown.size and shown[-1] < 0.0 else along), **arrow)

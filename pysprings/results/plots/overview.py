@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import PATH_KINDS, bends, has_free_head, height_of_load
 from pysprings.core.words import SOLVED, TILTS
 from pysprings.results.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots import style
@@ -153,9 +153,8 @@ def _sizes(path: xr.Dataset) -> xr.Dataset:
 
 
 def _name(name: str, path: xr.Dataset) -> str:
-    if "arm_m" not in path.attrs or "arm_from_m" in path.attrs:
-        return name
-    return style.plain(f"{name}: {float(path.attrs['arm_m']):.3g} m above")
+    height = height_of_load(path.attrs)
+    return style.plain(name if height is None else f"{name}: {height:.3g} m above")
 
 
 TILT = Picture(
@@ -197,6 +196,8 @@ def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: flo
     Loads up to `least` (N or N m) are zero; a path that turns back shows the states of its largest motion so far.
     """
     for name, path, colour in lateral_paths(tree):
+        if motion == "rotation" and bends(path.attrs) and not has_free_head(path.attrs):
+            continue  # M of a swipe is there before the rotation
         x, y = path[motion].values, path[load].values
         farthest = np.abs(x) >= np.maximum.accumulate(np.abs(x))
         shown = converged(path) & farthest & (np.abs(x) > SMALLEST) & (x * y > 0.0) & (np.abs(y) > least)

@@ -13,7 +13,7 @@ from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 
 from pysprings.core.arrays import Array, Integers
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.path_kinds import has_free_head, height_of_load
 from pysprings.results.parts import pick_step
 from pysprings.results.plots import style
 from pysprings.results.plots.picture import Picture, caisson_size, step_text
@@ -206,16 +206,18 @@ def _load_arrow(axes: Axes, section: xr.Dataset, path: xr.Dataset | None = None,
     _, outer, _ = caisson_size(section)
     if not np.isfinite(outer):
         return
-    arm = None if path is None or not PATH_KINDS[str(path.attrs["kind"])].free_head else path.attrs.get("arm_m")
+    arm = None if path is None else height_of_load(path.attrs)
+    if path is not None and arm is None and has_free_head(path.attrs) and path["H"][step]:  # it changes
+        arm = float(path["M"][step] / path["H"][step])
     if arm is None:
         start, depth, words, sense = 1.03 * outer, -0.12 * outer, "H, u", 1.0
     else:
         assert path is not None
         sense = -1.0 if float(path["H"][step]) < 0.0 else 1.0
         top = min(axes.get_ylim())
-        start, depth = 0.0, max(-float(arm), 0.75 * top)
-        beyond = " (beyond the frame)" if -float(arm) < 0.75 * top else ""
-        words = f"H at {float(arm):g} m above mudline{beyond}"
+        start, depth = 0.0, max(-arm, 0.75 * top)
+        beyond = " (beyond the frame)" if -arm < 0.75 * top else ""
+        words = f"H at {arm:.4g} m above mudline{beyond}"
     axes.annotate("", (start + sense * 0.32 * outer, depth), xytext=(start, depth), zorder=8,
                   arrowprops={"arrowstyle": "-|>", "color": style.INK, "linewidth": 1.6})  # fmt: skip
     text = axes.annotate(words, (start + 0.37 * outer, depth), va="center", ha="left", fontsize=9, zorder=8)

@@ -29,7 +29,7 @@ import xarray as xr
 from pysprings.core import version
 from pysprings.core.arrays import Array
 from pysprings.core.columns import Table
-from pysprings.core.path_kinds import driven, has_free_head
+from pysprings.core.path_kinds import driven, height_of_load
 from pysprings.core.registry import Registry
 from pysprings.core.storage import read_tree, write_text
 from pysprings.core.words import TILTS
@@ -99,13 +99,13 @@ def _path(name: str, path: xr.Dataset) -> dict[str, Any]:
     good = np.flatnonzero(converged(path))
     steps = np.unique(np.linspace(0, good.size - 1, min(good.size, MOST_STEPS)).astype(int)) if good.size else good
     chosen = path.isel(step=good[steps])
-    free = has_free_head(path.attrs) and "arm_m" in path.attrs and "arm_from_m" not in path.attrs
+    height = height_of_load(path.attrs)
     data: dict[str, Any] = {
         "name": name,
         "role": str(path.attrs.get("role", "")),
         "vertical": driven(path.attrs) == "w",
     }
-    data |= {"arm": float(path.attrs["arm_m"])} if free else {}
+    data |= {} if height is None else {"arm": height}
     data |= {key: _round(factor * chosen[key].values) for key, factor in _SCALES.items()}
     if chosen.sizes["step"]:
         data |= {"depth": _round(path["depth"].values), "edge": edge_rings(path).tolist()}

@@ -10,7 +10,8 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core.columns import Column, Table, filled
-from pysprings.core.path_kinds import PATH_KINDS
+from pysprings.core.loads import same_loads
+from pysprings.core.path_kinds import height_of_load
 from pysprings.core.text import number, with_prefix
 from pysprings.core.words import SOLVED, TILTS
 from pysprings.full_model.accuracy.two_mesh import HALVED, LEAST_HALVED, LEFT, head
@@ -341,14 +342,15 @@ def tilt_table(paths: Mapping[str, xr.Dataset]) -> Table | None:
     """List H and M at limits of tilt on each path with a free head; None without such a path."""
     rows = []
     for name, path in ((name, before_cavitation(path)) for name, path in paths.items()):
-        kind = PATH_KINDS.get(str(path.attrs.get("kind")))
-        if kind is None or not kind.free_head or "arm_from_m" in path.attrs:
+        if (height := height_of_load(path.attrs)) is None:
             continue
         good = path["converged"].values.astype(bool)
         turn = np.degrees(np.abs(path["rotation"].values[good]))
         cells = [text for limit in TILTS for text in _at_tilt(limit, turn, path, good)]
         most = f"{turn.max(initial=0.0):.3g}"
-        rows.append((name, number(float(path.attrs.get("arm_m", 0.0))), most, *cells))
+        V = path["V"].values[good]
+        words = name if same_loads(V, V[:1].sum()).all() else f"{name} (V changes)"
+        rows.append((words, number(height), most, *cells))
     units = {"H": "kN", "M": "kN m"}
     loads = [f"{load} at {limit:g} deg [{unit}]" for limit in TILTS for load, unit in units.items()]
     heads = ("path", "height of the load [m]", "largest tilt [deg]", *loads)

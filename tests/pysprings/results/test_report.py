@@ -272,6 +272,11 @@ def test_loads_at_a_tilt_are_interpolated_and_a_tilt_not_reached_is_a_dash(resul
     table = validity.tilt_table(ReportData(tree).paths)
     assert table is not None and [row[0] for row in table.rows] == ["pull"]
     assert list(table.rows[0][2:4]) == ["0.4", "5000"] and list(table.rows[0][5:]) == ["-", "-"]
+    path["V"][n // 2 :] = 2.0 * float(path["V"][0])
+    table = validity.tilt_table(ReportData(tree).paths)
+    assert table is not None and table.rows[0][0] == "pull (V changes)"
+    path.attrs["then_pairs"] = 1  # H and M then change on their own
+    assert validity.tilt_table(ReportData(tree).paths) is None
 
 
 def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.DataTree) -> None:

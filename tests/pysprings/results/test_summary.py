@@ -58,6 +58,20 @@ def test_what_rounding_leaves_of_a_rotation_is_none(folder: Path) -> None:
     assert ", rotation up to 0 deg, " in summary(tree, record)["range"]
 
 
+def test_loads_under_another_vertical_load_are_stated_with_it(folder: Path) -> None:
+    """Where w is held V changes along a path (2 to 3.9 MN on a pull of 40 mm in sand)."""
+    tree, record = read_tree(folder / "full_model.nc"), RunRecord.read(folder)
+    assert record is not None and ", V " not in summary(tree, record)["loads"] + summary(tree, record)["tilt"]
+    paths = [node for node in tree["paths/pull"].subtree if "V" in node.data_vars]
+    for node in paths:
+        node["V"][1:] = 2.0 * float(node["V"][0])
+    words = f"(path pull, V {2e-6 * float(paths[0]['V'][0]):.4g} MN)"
+    assert words in summary(tree, record)["tilt"] and f"{words[10:-1]})" in summary(tree, record)["loads"]
+    for node in paths:
+        node.attrs["then_pairs"] = 1  # of H and M: no load at one height
+    assert "tilt" not in summary(tree, record)
+
+
 def test_the_error_of_u_at_equal_load_stands_beside_those_at_equal_displacement(folder: Path) -> None:
     """Near collapse it is far larger; it stands beside the use of the springs, and does not make them preliminary."""
     record, springs = RunRecord.read(folder), pysprings.open_springs(folder / "springs.nc")
