@@ -28,6 +28,7 @@ _COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?", re.ASCII)
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:[.,]\d{3})+", re.ASCII)
 _SCALED = re.compile(r"[0#?],+(?=[^0#?,]|$)")  # a format that shows a share: 1234.5 is 1.2 in "0.0,"
+_LITERAL = re.compile(r'"([^"]*)"|\\(.)')  # texts of a format: MN of 0.0 "MN"
 _NOT_FINITE = ("inf", "-inf", "+inf", "infinity", "-infinity")
 _MINUS = str.maketrans({"−": "-", "\u00a0": " "})
 _ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!", "#WERT!", "#BEZUG!", "#NV")
@@ -46,8 +47,21 @@ class Unread(str):
         return cell
 
 
-class Percent(float):
-    """A number of a cell that a workbook shows in percent: 0.35, shown as 35 %."""
+class Shown(float):
+    """A number of a cell of a workbook, and the unit that its format shows: "%" of 0.35 that is shown as 35 %."""
+
+    unit: str
+
+    def __new__(cls, value: float, unit: str) -> Self:
+        """Return the number with the unit."""
+        cell = super().__new__(cls, value)
+        cell.unit = unit
+        return cell
+
+
+def in_percent(cell: Cell) -> bool:
+    """Return whether a workbook shows a cell in percent."""
+    return isinstance(cell, Shown) and cell.unit == "%"
 
 
 class Style(NamedTuple):
@@ -311,7 +325,9 @@ def _value(cell: Any) -> Cell:
         if _SCALED.search(re.sub(r'"[^"]*"', "", cell.number_format)):
             why = f"cell {cell.coordinate} holds {value:g} and shows it over a thousand (format {cell.number_format}): "
             return Unread(str(value), f"{why}give it the format General, and the value in the unit of the heading")
-        return Percent(value) if "%" in cell.number_format else value
+        words = "".join(map("".join, _LITERAL.findall(cell.number_format.partition(";")[0]))).strip()
+        unit = "%" if "%" in cell.number_format else words
+        return Shown(value, unit) if unit else value
     if isinstance(value, date | time | timedelta):
         why = f"cell {cell.coordinate} holds the date {value}: spreadsheets make dates of numbers such as 1.5; "
         return Unread(str(value), f"{why}write the number, in the format General")

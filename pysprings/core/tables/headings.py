@@ -6,6 +6,7 @@ a force is expected.
 """
 
 import difflib
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -197,6 +198,18 @@ def is_unit(text: str) -> bool:
     """Return whether a text is a unit, in brackets or not; blank is none."""
     inner = text.strip().strip("[]()").strip()
     return bool(inner) and _is_unit(inner)
+
+
+def shows_another(heading: Heading, unit: str) -> bool:
+    """Return whether the unit that a cell shows is one, and not that of its heading; percent goes by itself."""
+    if not is_unit(unit) or unit in SHARES or heading.column.unit == TEXT:
+        return False
+    if heading.column.unit == ANY:
+        return not is_unit(heading.unit) or unit_of(unit) != unit_of(heading.unit)
+    try:
+        return not math.isclose(_factor(heading.column, "", unit), heading.factor)
+    except WrongHeading:
+        return True
 
 
 def _factor(column: Column, stem: str, unit: str | None) -> float:

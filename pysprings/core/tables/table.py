@@ -21,16 +21,27 @@ from pysprings.core.tables.files import (
     Cell,
     Line,
     NotANumber,
-    Percent,
     Sheet,
+    Shown,
     Style,
+    in_percent,
     is_blank,
     number,
     sheets_of,
     style_of,
     text_of,
 )
-from pysprings.core.tables.headings import SHARES, TEXT, Column, Heading, Headings, KeyHeadings, WrongHeading, is_unit
+from pysprings.core.tables.headings import (
+    SHARES,
+    TEXT,
+    Column,
+    Heading,
+    Headings,
+    KeyHeadings,
+    WrongHeading,
+    is_unit,
+    shows_another,
+)  # fmt: skip
 from pysprings.core.units import LARGEST, fault, quoted
 
 Reshape = Callable[[list[str], list[Line]], tuple[list[str], list[Line]]]
@@ -101,6 +112,14 @@ class Table:
         """Return a column as texts on one line; blank for a word of `BLANK`."""
         return [text_of(cell) for cell in self.cells(name)]
 
+    def number(self, name: str, cell: Cell) -> float | None:
+        """Return the number of a cell in the unit of its heading; None of a blank one. Raises NotANumber."""
+        value = number(cell, self.style)
+        if isinstance(cell, Shown) and shows_another(self.columns[name][1], cell.unit):
+            shown = quoted(f"{value:g} {cell.unit}")
+            raise NotANumber(f"{shown} is what the cell shows: write it in the unit of the heading")
+        return value
+
     def numbers(self, name: str, most: bool = True) -> Array:
         """Return a column in SI; NaN where a cell is blank or refused; ``most``: at most the largest of its unit."""
         out = np.full(len(self), np.nan)
@@ -110,13 +129,13 @@ class Table:
         unit = heading.column.unit if heading.column.unit in LARGEST else "1"
         for k, cell in enumerate(self.cells(name)):
             try:
-                value = number(cell, self.style)
+                value = self.number(name, cell)
             except NotANumber as error:
                 self.fault(k, name, str(error))
                 continue
             if value is None or name in self.wrong:
                 continue
-            value *= heading.factor * (100.0 if SHARES.get(heading.unit) == 1.0 and isinstance(cell, Percent) else 1.0)
+            value *= heading.factor * (100.0 if SHARES.get(heading.unit) == 1.0 and in_percent(cell) else 1.0)
             if wrong := fault(value, unit) if most else "" if math.isfinite(value) else "is not a finite number":
                 self.fault(k, name, f"{quoted(cell)} {wrong}")
             else:
@@ -133,7 +152,7 @@ class Table:
         if name in self.columns and name not in self.wrong and (heading := self.columns[name][1]).unit in ("", "1"):
             if (exact and heading.text == name) or re.search(r"[\[(]\s*1\s*[\])]", heading.text):
                 return
-            if all(isinstance(cell, Percent) or is_blank(cell) for cell in self.cells(name)):
+            if all(in_percent(cell) or is_blank(cell) for cell in self.cells(name)):
                 return  # shown in percent by a workbook
             text = f"has no unit: write '{heading.text} [%]', or '{heading.text} [-]' for a share of 1"
             self.fault(None, name, text)

@@ -21,7 +21,7 @@ import numpy as np
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.storage import write_text
 from pysprings.core.tables import Table, keyed_table
-from pysprings.core.tables.files import NotANumber, number, text_of
+from pysprings.core.tables.files import NotANumber, text_of
 from pysprings.core.text import is_formula
 from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
@@ -320,7 +320,7 @@ def _values(table: Table, key: str) -> list[Value]:
             values.append(text.lower() == "true")
             continue
         try:
-            value = number(cell, table.style)
+            value = table.number(key, cell)
             values.append(text if value is None else quantity(value, unit))
             if value is None:
                 table.fault(k, key, "blank: every case needs a value")

@@ -106,6 +106,18 @@ def in_thousands(made: Any, sheet: Any) -> None:
     sheet.cell(2, sheet.max_column).number_format = '#,##0.00, "M"'
 
 
+def with_units(made: Any, sheet: Any) -> None:
+    """Every cell shows the unit of its heading, as 5 kN does."""
+    for head, *cells in sheet.iter_cols():
+        if unit := re.search(r"\[([a-zA-Z].*)\]", str(head.value)):
+            for cell in cells:
+                cell.number_format = f'0.0# "{unit[1]}"'
+
+
+def with_unit(made: Any, sheet: Any) -> None:
+    sheet.cell(2, sheet.max_column).number_format = '#,##0.00" GJ";-0.0'
+
+
 def coloured(made: Any, sheet: Any) -> None:
     sheet.cell(2, sheet.max_column + 3).fill = openpyxl.styles.PatternFill("solid", "ffff00")
 
@@ -128,6 +140,7 @@ SAME: dict[str, Callable[[Rows], Any]] = {
     "blank lines": lambda rows: lines(rows).replace("\n", "\n\n"),
     "quotes": lambda rows: lines(headed(rows, lambda text: '"' + text.replace(" [", "\n[") + '"')),
     "workbook": book,
+    "workbook, units shown": lambda rows: book(rows, with_units),
     "workbook with prefixes": lambda rows: prefixed(book(rows)),
     "title page": lambda rows: book(rows, with_title),
     "numbers as texts": lambda rows: book(rows, as_texts),
@@ -196,6 +209,7 @@ REFUSED: dict[str, tuple[Callable[[Rows], Any], str]] = {
     "error in text": (lambda rows: lines(victim("#DIV/0!")(rows)), r"2: .*is an error of the spreadsheet"),
     "date": (in_book(datetime(2026, 5, 1)), r"cell [A-F]2 holds the date 2026-05-01"),
     "shown in thousands": (lambda rows: book(rows, in_thousands), r"cell [A-F]2 holds .* and shows it over a thousand"),
+    "shown in another unit": (lambda rows: book(rows, with_unit), r':2: .* GJ" is what the cell shows'),
     "merged": (lambda rows: book(rows, merged), r"the cells [A-F]2:[A-F]3 are merged"),
     "hidden row": (lambda rows: book(rows, hidden_row), r":3: the row is hidden"),
     "hidden column": (lambda rows: book(rows, hidden_column), r":1: .*the column is hidden"),
