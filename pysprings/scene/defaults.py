@@ -77,7 +77,8 @@ def remarks(scene: SceneSections) -> list[str]:
     of_ground += implausible(scene)
     bends = (
         "caisson.behaviour: loads act on a stiff patch of a quarter of the lid's radius, around which the lid bends as "
-        f"a plate of {scene.caisson.lid_thickness:g} m without stiffeners: rotation and its stiffness have that share"
+        f"a plate of {scene.caisson.lid_thickness:g} m without stiffeners: rotation, w, their "
+        "stiffness and the point of rotation have that share, beside m, t and tip, too: the skirt turns and sinks less"
     )
     return of_ground + ([bends] if scene.caisson.behaviour == "elastic" else []) + (off_plane if beyond else [])
 
