@@ -69,9 +69,7 @@ def design(
 
     tolerance, stiffness = _checked(tilt, joint, group)
     used = cases or cases_of(result)
-    _check_files(out or [], result, used, group)
-    if in_report:
-        files.check_run(result)
+    _check_files(out or [], in_report, result, used, group)
     read = read_load_cases(used)
     placed = None if group is None else read_group(group, stiffness or math.inf)
     more = {"springs_kind": spring_set, "path": path}
@@ -106,13 +104,17 @@ def design(
         print_summary(record)
 
 
-def _check_files(files: list[Path], *read: Path | None) -> None:
-    """Refuse files of no known ending, and those that the command reads."""
-    from pysprings.studies.design import check_ending
+def _check_files(files: list[Path], in_report: bool, result: Path, *read: Path | None) -> None:
+    """Refuse files of no known ending, those that the command reads, and a report of no run."""
+    from pysprings.results.layout import LOAD_CASES
+    from pysprings.studies.design import check_ending, check_run
 
     for file in files:
         check_ending(file)
-        refuse_read("--out", file, *read)
+        refuse_read("--out", file, result, *read)
+    if in_report:
+        check_run(result)
+        refuse_read("--report", result / LOAD_CASES, *read)
 
 
 def _checked(tilt: str | None, joint: str | None, group: Path | None) -> tuple[float | None, float | None]:

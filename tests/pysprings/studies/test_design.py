@@ -403,3 +403,8 @@ def test_the_report_of_a_run_shows_the_answers(tmp_path: Path, cases: Path) -> N
     assert alone["note"].startswith("p-y springs alone") and alone["springs"].startswith("not checked")
     refused = command("design", str(folder / "springs.nc"), str(cases), "--report")
     assert refused.code == 2 and "--report" in refused.err
+    mine = folder / "design.csv"
+    mine.write_bytes(cases.read_bytes())
+    lost = command("design", str(folder), str(mine), "--report")
+    assert lost.code == 2 and "--report: is read by this command" in lost.err
+    assert mine.read_bytes() == cases.read_bytes()
