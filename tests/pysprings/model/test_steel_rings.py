@@ -173,3 +173,18 @@ def test_a_scene_that_leaves_the_discretisation_open_takes_series():
     given = tiny.sand(caisson={"behaviour": "elastic"}, mesh={"preset": "coarse"})
     assert given.discretisation == "fourier"
     assert build(given).steel is not None
+
+
+def test_the_elements_of_a_thin_lid_are_fine_enough_for_the_preset():
+    """M on a rotation about a lid of 0.1 m; with the elements of a rigid caisson it was 17 % above."""
+    path = {"name": "turn", "kind": "rotation", "rotation": 1e-5}
+    thin = {"behaviour": "elastic", "skirt_thickness": 0.03, "lid_thickness": 0.1}
+    M = [
+        float(
+            compute(tiny.paper(caisson=thin, mesh=SERIES | size, paths=(path,), **LINEAR)).recorded()["paths/turn"][
+                "M"
+            ][-1]
+        )
+        for size in ({}, {"refinement": 2.0})
+    ]
+    assert M[0] == pytest.approx(M[1], rel=0.05)
