@@ -49,6 +49,10 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
             os.fsync(stream.fileno())
         os.replace(temporary, target)
         _sync_folder(target.parent)
+    except Exception as error:
+        if error.args and isinstance(error.args[0], OSError):  # a writer of workbooks wraps errors of the system
+            raise error.args[0] from None
+        raise
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Files are whole or absent, come back as they were, and foreign files are refused in one line."""
 
+import errno
 import os
 import signal
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from xarray.backends.locks import CombinedLock
+from xlsxwriter.exceptions import FileCreateError
 
 from pysprings.cli.support import interruptible
 from pysprings.core.errors import ResourceError, UserInputError
@@ -53,6 +55,11 @@ def test_failed_write_keeps_the_old_file(tmp_path):
         raise RuntimeError
     assert target.read_text() == "old"
     assert [file.name for file in tmp_path.iterdir()] == ["table.csv"]
+
+
+def test_a_workbook_on_a_full_disk_is_an_error_of_the_system(tmp_path):
+    with pytest.raises(OSError, match="No space left"), replacing(tmp_path / "a.xlsx"):
+        raise FileCreateError(OSError(errno.ENOSPC, "No space left on device"))
 
 
 def _truncated(tmp_path):
