@@ -21,7 +21,7 @@ from pysprings.core.units import read, show, si_of
 from pysprings.scene.by_depth import ByDepth, Profile, of_surface
 from pysprings.scene.fields import Interval, Number, Quantity
 from pysprings.scene.ground import Stratum, given_values, moved_layers
-from pysprings.scene.interface import adhesion_factor, holds_suction
+from pysprings.scene.interface import adhesion_factor, holds_suction, without_suction
 from pysprings.scene.layers import untaken
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues, plain_field
@@ -74,7 +74,7 @@ def remarks(scene: SceneSections) -> list[str]:
     of_ground = [*moved_layers(scene.soil, scene.extent), *_without_strength(scene), *_unknown(scene)]
     idle = (name for name in type(scene.soil).model_fields if name in untaken(scene.soil))
     of_ground += [f"soil.{name} has no effect: every layer has its own" for name in idle]
-    of_ground += implausible(scene)
+    of_ground += [*without_suction(scene), *implausible(scene)]
     bends = (
         "caisson.behaviour: loads act on a stiff patch of a quarter of the lid's radius, around which the lid bends as "
         f"a plate of {scene.caisson.lid_thickness:g} m without stiffeners: rotation, w, their "

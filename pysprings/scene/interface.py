@@ -46,8 +46,21 @@ def uses_adhesion(scene: SceneSections) -> bool:
 
 def holds_suction(scene: SceneSections) -> bool:
     """Return whether water below the sea holds a surface against the ground: a sealed one beside undrained clay."""
-    sealed = any(of_surface(scene.interface.opening, each) == "sealed" for each in SURFACES)
-    return sealed and any(each.total_stress for each in scene.ground.strata if each.top <= scene.caisson.skirt_length)
+    return _sealed(scene) and any(
+        each.total_stress for each in scene.ground.strata if each.top <= scene.caisson.skirt_length
+    )
+
+
+def without_suction(scene: SceneSections) -> list[str]:
+    """Return a sentence where a sealed surface holds no suction, since all soil beside the caisson is drained."""
+    beside = [each for each in scene.ground.strata if each.top <= scene.caisson.skirt_length]
+    drained = all(each.drainage_in(scene.drainage.mode) == "drained" for each in beside)
+    words = "interface.opening: sealed is vented here, since drained soil holds no suction"
+    return [words] if _sealed(scene) and drained else []
+
+
+def _sealed(scene: SceneSections) -> bool:
+    return any(of_surface(scene.interface.opening, each) == "sealed" for each in SURFACES)
 
 
 def interface_clashes(scene: SceneSections) -> Iterator[Clash]:

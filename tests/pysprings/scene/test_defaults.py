@@ -81,6 +81,9 @@ def test_sand_without_a_surcharge_runs_and_is_remarked_on() -> None:
     assert rows["caisson.vertical_load"] == (1.5, "MN") and rows["domain.radius"] == (312.0, "m")
     assert "hydraulic_conductivity" not in str(rows) and "caisson.young_modulus" not in rows
     assert remarks(parse_scene(SAND + 'surcharge = "5 kPa"\n')) == []
+    sealed = parse_scene(SAND + 'surcharge = "5 kPa"\n[interface]\nopening = "sealed"\n')  # pulled out as a vented one
+    assert remarks(sealed) == ["interface.opening: sealed is vented here, since drained soil holds no suction"]
+    assert remarks(sealed.replace(interface={"opening": "bonded"})) == []
     (bends,) = remarks(parse_scene('[caisson]\nbehaviour = "elastic"\n' + SAND + 'surcharge = "5 kPa"\n'))
     assert "the lid bends as a plate of 0.4 m without stiffeners" in bends
 
