@@ -105,7 +105,9 @@ def refuse_without_ranges(scene: Path) -> None:
     """Refuse a scene in which no value has a range."""
     from pysprings.scene.load import SceneText
 
-    if not SceneText.read(scene).has_ranges:
+    text = SceneText.read(scene)
+    if not text.has_ranges:
+        text.scene()  # a table of layers that cannot be read has none: its own problems stand first
         refuse("--estimate", "no value of the scene has a range { low, best, high }: all estimates are the same", scene)
 
 

@@ -280,6 +280,12 @@ def test_what_is_no_estimate_is_refused(tmp_path: Path, ranged: bool, options: t
     assert done.code == 2 and message in done.err
 
 
+def test_faults_of_a_table_of_layers_stand_before_that_of_ranges(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text('[soil]\nprofile = "gone.csv"\n')
+    done = command("run", tmp_path / "a.toml", "--out", tmp_path / "out", "--estimate", "low")
+    assert done.code == 2 and "gone.csv" in done.err and "--estimate" not in done.err
+
+
 def test_a_folder_of_one_run_takes_no_estimates(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(text())
     (tmp_path / "out").mkdir()
