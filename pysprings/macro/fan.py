@@ -20,12 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arrays import Array, Integers, Marks, secant_slopes
+from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.macro.solver import fan_places, fan_rows
 from pysprings.springs.path import STRAIGHT, SpringPath
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import action
+from pysprings.springs.sums import action, secant_slopes
 
 # Between rays farther apart than this an answer is marked off_path [rad].
 WIDEST = np.radians(60.0)

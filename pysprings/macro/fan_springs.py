@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pysprings.core.arrays import Array, Marks, secant_slopes
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
 from pysprings.macro.fan import WIDEST, FanTable
 from pysprings.macro.response import Between, Level, Response, Support
@@ -25,6 +25,7 @@ from pysprings.macro.ways import RANGE_SLACK, ROUNDING, Control
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
+from pysprings.springs.sums import secant_slopes
 
 _KNOTS = 1e-6  # share by which motions of modes may end before those of the paths (rounding)
 BAND = 1.96  # deviations within which an answer is meant to lie

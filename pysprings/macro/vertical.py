@@ -21,13 +21,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arrays import Array, Marks, secant_slopes
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import close_loads, same_load
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
+from pysprings.springs.sums import secant_slopes
 
 BISECTIONS = 60
 # A curve whose last step is less than this share of its initial stiffness carries no more: V has reached its capacity

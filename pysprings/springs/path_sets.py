@@ -24,11 +24,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pysprings.core.arrays import Array, secant_slopes
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.springs.path import TOGETHER, SpringPath, is_rate, same_way
 from pysprings.springs.path_ends import KEYS, MESH_ERROR, earlier_end
+from pysprings.springs.sums import secant_slopes
 
 Agree = Callable[[SpringPath, SpringPath], bool]
 

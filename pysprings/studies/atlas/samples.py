@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pysprings.core.arrays import Array, secant_slopes
+from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.scene.changes import Change
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene
+from pysprings.springs.sums import secant_slopes
 from pysprings.studies.atlas.families import Family
 from pysprings.studies.sweep.dataset import DEPTHS
 from pysprings.studies.sweep.plan import quantity

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pysprings.core.arrays import Array, secant_slopes
+from pysprings.core.arrays import Array
 from pysprings.core.errors import PyspringsError, refused
 from pysprings.core.path_kinds import PATH_KINDS, direction_of_load
 from pysprings.core.storage import replacing
@@ -37,6 +37,7 @@ from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import LIMIT_LOAD, MESH_ERROR
 from pysprings.springs.springs import Springs
+from pysprings.springs.sums import secant_slopes
 from pysprings.studies.sweep.plan import DONE, SCHEMA, SHORT, Axis, Case, Plan, split
 
 if TYPE_CHECKING:

