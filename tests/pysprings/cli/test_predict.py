@@ -282,6 +282,8 @@ def test_what_a_command_reads_is_not_written_over(springs_file: Path, tmp_path: 
         (("design", springs, table, "--out", tmp_path / "new.csv", "--out", beside), table),
         (("springs", springs, "--format", "json", "--out", springs), springs),
         (("ground", table, "--out", table, "--force"), table),
+        (("sweep", tmp_path / "study.toml", "--out", tmp_path, "--table", table), table),
+        (("atlas", springs, "--family", "clay", "--out", springs), springs),
     ):
         before = file.read_bytes()
         done = command(*args)
