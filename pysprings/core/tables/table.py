@@ -41,7 +41,7 @@ from pysprings.core.tables.headings import (
     WrongHeading,
     is_unit,
     shows_another,
-)  # fmt: skip
+)
 from pysprings.core.units import LARGEST, fault, quoted
 
 Reshape = Callable[[list[str], list[Line]], tuple[list[str], list[Line]]]
