@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.units import quoted
 
@@ -29,14 +30,22 @@ def check_shapes(**values: Any) -> None:
         _raise({next(iter(shapes)): f"give arrays of one shape, or single numbers; here {have}"})
 
 
-def check_rows(n: int, V: Any, time: Any) -> None:
-    """Raise UserInputError for a V that is neither one number nor one a row of n, and times that do not grow from 0."""
-    bad = []
+def too_early(time: Array, rows: Array) -> Marks:
+    """Return which times (n,) [s] do not grow from 0; a first row (n, m) of zeros is at rest, and may be at 0 s."""
+    steps = np.diff(time, prepend=0.0)
+    found: Marks = steps <= 0.0
+    found[:1] &= rows[:1].any() or steps[:1] < 0.0
+    return found
+
+
+def check_rows(rows: Array, V: Any, time: Any) -> None:
+    """Raise UserInputError for a V that is neither one number nor one of each row (n, m), and times `too_early`."""
+    bad, n = [], len(rows)
     if V is not None and np.shape(V) not in ((), (n,)):
         bad.append(
             Problem(key="V", message=f"give one number, or one a row of targets ({n}), not the shape {np.shape(V)}")
         )
-    if time is not None and (np.shape(time) != (n,) or np.any(np.diff(time, prepend=0.0) <= 0.0)):
+    if time is not None and (np.shape(time) != (n,) or too_early(np.asarray(time), rows).any()):
         bad.append(Problem(key="time", message=f"give one number a row of targets ({n}), growing from 0 s"))
     if bad:
         raise UserInputError(bad)

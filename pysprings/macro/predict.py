@@ -211,7 +211,7 @@ def sequence(
     rows = np.asarray(targets, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
         raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")
-    check_rows(len(rows), V, time)
+    check_rows(rows, V, time)
     down = None if V is None else np.asarray(V, dtype=float)
     first = None if down is None else float(down.ravel()[0])
     care, choice = _parts(asking)

@@ -174,7 +174,7 @@ def sequence_in_space(
     """
     check_arrays(targets=targets, V=V, time=time)
     rows = np.asarray(targets, dtype=float)
-    check_rows(len(rows), V, time)
+    check_rows(rows, V, time)
     down = None if V is None else np.broadcast_to(np.asarray(V, dtype=float), len(rows)).copy()
     answer = SpaceAnswers.of(springs, springs_kind).answer(control, rows, down, time)
     return raise_or_warn(answer, **care)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pysprings.core.arguments import too_early
 from pysprings.core.arrays import Array
 from pysprings.core.tables import Column, Table, one_table
 from pysprings.macro.ways import Control
@@ -23,6 +24,7 @@ COLUMNS = tuple(
     }.items()
 )  # fmt: skip
 FORMS = "H_N with M_Nm or arm_m; u_m and rotation_rad; or one of u_m and rotation_rad with arm_m; V_N, time_s with any"
+_BESIDE = ("V_N", "time_s", "arm_m", "w_m")  # of loads and motions
 SPACE_FORMS = f"some of {', '.join(_PUSHES)}, or some of {', '.join(_TURNS)}; V_N, time_s with either"
 
 
@@ -48,7 +50,7 @@ class Sequence:
 def read_sequence(path: str | os.PathLike[str]) -> Sequence:
     """Read a sequence from a table with columns of `COLUMNS`, in any unit; loads, or motions, not both.
 
-    A first row of zeros at 0 s is the state at rest, where every sequence begins; it is left out.
+    Every sequence begins at rest; a first row of zeros at 0 s is that state, and has the V there.
 
     Raises UserInputError: every fault, with file and line.
     """
@@ -60,16 +62,14 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
         for k in np.flatnonzero(np.isnan(values)):
             table.fault(int(k), name, "blank")
     table.faults.stop()
-    if "time_s" in columns and not any(columns[name][:1].any() for name in columns if name not in ("V_N", "arm_m")):
-        columns = {name: column[1:] for name, column in columns.items()}
-        table.rows, table.lines = table.rows[1:], table.lines[1:]
     if not len(table):
         table.fault(None, None, "no rows")
     if ("u_m" in columns or "rotation_rad" in columns) and np.unique(columns.get("arm_m", np.zeros(1))).size > 1:
         table.fault(None, "arm_m", "a motion is followed at one load height: arm_m must not change")
     if "time_s" in columns:
-        for k in np.flatnonzero(np.diff(columns["time_s"], prepend=0.0) <= 0.0):
-            table.fault(int(k), "time_s", "must be later than the row before, and than 0 s")
+        given = [values for name, values in columns.items() if name not in _BESIDE]
+        for k in np.flatnonzero(too_early(columns["time_s"], np.stack(given, axis=1))):
+            table.fault(int(k), "time_s", "must be later than the row before, and than 0 s (but for a row at rest)")
     for k in np.flatnonzero(columns.get("w_m", np.zeros(0))):
         table.fault(int(k), "w_m", "w follows from the vertical load: leave the column out, or 0")
     table.faults.stop()

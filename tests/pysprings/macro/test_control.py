@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import openpyxl
 import pytest
+import xarray as xr
 
 from pysprings import open_table
 from pysprings.core import variables
@@ -26,7 +27,7 @@ from pysprings.macro.predict import (
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.results.tables.sequence import read_sequence
 from pysprings.springs.checks import open_springs, save_springs
-from tests.support import synthetic, written
+from tests.support import loaded, synthetic, written
 from tests.support.closed_forms import bilinear_springs, linear_springs, linear_stiffness
 from tests.support.commands import command
 from tests.support.fans import fan_springs, potential
@@ -311,6 +312,18 @@ def test_sequence_files(tmp_path, lines, control, targets, arm, V):
 def test_a_sequence_has_times(tmp_path):
     for head in ("time [min]", "t [min]"):  # T is the torsion
         assert read_sequence(write(tmp_path / "s.csv", f"H_N,{head}", "1,0.5", "2,2")).time.tolist() == [30.0, 120.0]
+
+
+def test_a_row_at_rest_at_0_s_has_its_vertical_load(tmp_path):
+    """It was left out with its V: springs at the V of the next row answered, without a mark."""
+    rows, springs = ("0,0,2e6", "2e5,1e6,3.5e6", "-1e5,0,3.5e6"), loaded.springs()
+    timed = (f"{10 * k},{row}" for k, row in enumerate(rows))
+    answers = []
+    for lines in (("H_N,M_Nm,V_N", *rows), ("time_s,H_N,M_Nm,V_N", *timed)):
+        read = read_sequence(write(tmp_path / "s.csv", *lines))
+        with pytest.warns(MacroWarning, match="2 of 3 states are under another V"):
+            answers.append(sequence(springs, read.targets, V=read.V, time=read.time, springs_kind="memory"))
+    xr.testing.assert_allclose(answers[0], answers[1].drop_vars("time"))
 
 
 @pytest.mark.parametrize(
