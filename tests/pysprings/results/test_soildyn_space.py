@@ -19,7 +19,7 @@ from pysprings.results.exporters import export
 from pysprings.results.exporters.soildyn.library import spring_text
 from tests.support import loaded, openfast, space_paths
 from tests.support.fans import RHO
-from tests.support.foundation import Point, PointOn, needs_compiler
+from tests.support.foundation import FORCE, Point, PointOn, needs_compiler
 from tests.support.space_springs import calibrated, elements
 
 pytestmark = needs_compiler
@@ -184,6 +184,25 @@ def test_a_path_that_is_turned_has_a_turned_answer(point_on: PointOn, degrees: f
         missing = (answers[1] @ turn - answers[0]) / [1.0, 1.0, np.inf, *[space_paths.LENGTH] * 2, RADIUS]
         size = np.linalg.norm(answers[0] / [1.0, 1.0, np.inf, *[space_paths.LENGTH] * 2, np.inf], axis=1).max()
         assert np.abs(missing).max() < 0.02 * size
+
+
+def test_elements_are_used_as_far_as_the_rays_beside_the_larger_motion(point_on: PointOn) -> None:
+    """A short ray elsewhere that stopped: 5e-8 m across stopped OpenFAST, where `sequence_in_space` goes on."""
+    model, space = invented()
+    table, short = model.table, 0
+    count, rays = table.count.copy(), space.rays.copy()
+    count[short] = int(np.searchsorted(table.rho[short], 0.2 * RHO[-1]))
+    rays[short, 1] = table.rho[short, count[short] - 1]
+    response = replace(model.response, table=replace(table, count=count))
+    ends = {**model.ends, table.path[short]: replace(model.ends[table.path[short]], how="stopped")}
+    point = point_on(replace(model, response=response, ends=ends), 0.0)
+    space, answered = replace(space, rays=rays), 0
+    for d in (*(0.5 * RHO[-1] * np.array([1.0, across, 0.0, 0.0, 0.1, 0.0]) for across in (1e-5, 0.05)), *walk(9, 60)):
+        code, used = point.ask(FORCE, d), float(space.range_used(d[None, LATERAL])[0])
+        assert point.state.flat[0] == pytest.approx(used, rel=1e-9)
+        answered += code == 0
+        assert code == 0 or used > 1.0
+    assert 10 < answered < 62
 
 
 def test_the_export_has_the_set_in_space_with_its_errors_and_marks(tmp_path: Path) -> None:

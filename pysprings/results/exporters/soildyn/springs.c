@@ -27,6 +27,7 @@
 
 #define ORIGIN 1e-12     /* m: nearer than this the caisson is at rest */
 #define STRAIGHT 1e-3    /* rad: nearer than this to a ray its own range counts */
+#define SLIGHT 0.01      /* share of the mean over directions below which it does not say how far the springs are used */
 #define WIDEST (PI / 3)  /* rad: rays farther apart do not cover what is between them, as pysprings.macro.fan */
 #define MEAN 8           /* directions of the mean secant stiffness, over half a turn */
 #define BISECTIONS 60
@@ -170,19 +171,25 @@ static void add_secant(const double *P, double rho, double phi, double share, do
   }
 }
 
-/* Secant stiffness, w and V at motions a, b (2,) in m. */
+/* Secant stiffness, w and V at motions a, b (2,) in m. Elements are used as far as the rays beside the larger motion, as in
+ * pysprings.memory.space_model; a fan as far as any direction of the mean, where that counts. */
 static void secant(const double *P, const double a[2], const double b[2], double S[2][2], Loads *sum) {
   double aa = a[0] * a[0] + a[1] * a[1], bb = b[0] * b[0] + b[1] * b[1], ab = a[0] * b[0] + a[1] * b[1];
   double rho = sqrt(aa + bb), plane = 0.0;
-  int k, off;
+  Loads larger;
+  int k;
   memset(S, 0, 4 * sizeof(double));
   memset(sum, 0, sizeof *sum);
   if (rho > ORIGIN) plane = sqrt((aa - bb) * (aa - bb) + 4.0 * ab * ab) / (rho * rho);
   if (1.0 - plane < 1e-12) plane = 1.0;
-  if (plane > 0.0) add_secant(P, rho, 0.5 * atan2(2.0 * ab, aa - bb), plane, S, sum);
-  off = sum->off; /* the mean is over all directions */
+  if (rho > ORIGIN) add_secant(P, rho, 0.5 * atan2(2.0 * ab, aa - bb), plane, S, sum);
+  larger = *sum;
   for (k = 0; k < MEAN && plane < 1.0; k++) add_secant(P, rho, PI * k / MEAN, (1.0 - plane) / MEAN, S, sum);
-  sum->off = off;
+  sum->off = larger.off; /* the mean is over all directions */
+  if (P[P_COUNT] > 0.0 || 1.0 - plane < SLIGHT) {
+    sum->used = larger.used;
+    sum->failed = larger.failed;
+  }
 }
 
 /* --- vertical springs: see pysprings.macro.vertical --- */
