@@ -337,7 +337,7 @@ _PREDICTION = _table(_AXES["depth"], _AXES["depth_bounds"], _Y, *_PREDICTED, _RE
       "the springs go back on the same curve, without hysteresis; the soil does not"),
     V("off_load", "1 where V is more than 10 % from that of the lateral springs, or near its largest", "1", ("step",),
       "reactions to u and rotation are those at the first V of a sequence, or at the nearest of the springs, where the "
-      "springs do not follow V",
+      "springs do not follow V; with memory also after changes of V that add up to more than on their rays",
       required=False),
     V("time", "time", "s", ("step",), required=False),
     V("off_rate", "1 where the step is faster or slower than the rate of the springs", "1", ("step",),

@@ -144,8 +144,8 @@ _NOTES = [
 ]
 
 _VERTICAL_NOTES = [
-    "V: vertical load at the start of the path, under which the springs answer; where it changes on the way, w alone "
-    "follows; w max: largest distance of w; "
+    "V: vertical load at the start of the path, under which the springs answer; where it changes on the way, w "
+    "follows, and springs with memory between their loads; w max: largest distance of w; "
     "V max: error of V at equal w, over its change from rest",
     "vertical = vertical springs t(w), V_tip(w), V_lid(w) of the vertical calibration paths",
 ]

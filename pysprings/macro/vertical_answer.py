@@ -97,7 +97,8 @@ def vertical_answer(
         K = float(model.stiffness_initial[1, 1])
         elastic = f"w from the elastic vertical stiffness{sudden(model.attrs.get('drainage'))}"
         notes = [other_load(model.origin, down[other]) + elastic] if other.any() else []
-        notes = [note if follows and not moved.any() else f"{note}, lateral springs unchanged" for note in notes]
+        notes = [note if follows else f"{note}, lateral springs unchanged" for note in notes]
+        notes += response.lacks_notes(down, moved) if follows else []
         past, beyond = past_elastic(model, down, other)
         lacking = moved if follows else far | moved
         return Down(

@@ -32,12 +32,14 @@ import numpy as np
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import same_load
 from pysprings.macro.solver import Drive
+from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.calibration import ElementSet
 from pysprings.memory.elements import PLATES, STATES, advance, follow, relax
 from pysprings.memory.shares import Shares, elastic_of, stiffnesses, ways_of
 from pysprings.memory.water import Water
 
 PARTS = 60  # steps in which V passes the range of the loads; a part of it has that times the root of its share
+SWUNG = 2.0  # ranges of the loads that V covers on the rays on which it changes: to the end, half back, and there again
 FIRST, WIDEST = (1.0, 4.0), 1e3  # V_virgin and V_reload where a fit starts, and their largest value, over that range
 
 
@@ -129,6 +131,11 @@ class ChangingLoad:
         """Return whether vertical loads (n,) [N] lie within those of the sets."""
         low, high = self.loads[[0, -1]]
         return np.array([low <= load <= high or same_load(load, low) or same_load(load, high) for load in V])
+
+    @property
+    def swing(self) -> float:
+        """Changes of V [N], added up, up to which it is known what they take away."""
+        return SWUNG * float(self.loads[-1] - self.loads[0]) * (1.0 + RANGE_SLACK)
 
     def rows_at(self, V: float) -> Array:
         """Return the elements of all sets (n, COLUMNS) with the stiffness of their shares at V [N]."""

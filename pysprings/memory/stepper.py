@@ -69,7 +69,7 @@ class MemoryStepper:
     state : (elements, 3) committed numbers of the elements.
     motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
     way : committed motions added up [m].
-    V, top : committed vertical load [N] of the elements, and the largest one so far.
+    V, top, swung : committed vertical load [N] of the elements, the largest one so far, and changes added up.
     offset : (rows,) what vertical reactions and w have kept from other vertical loads.
     water : committed numbers of the water's part of p, see `pysprings.memory.water`; None where there is none.
     """
@@ -77,6 +77,7 @@ class MemoryStepper:
     def __init__(self, model: MemorySprings) -> None:
         self.model = model
         self.V = self.top = model.V if np.isfinite(model.V) else 0.0
+        self.swung = 0.0
         self._loads = model.changing or ChangingLoad(np.array([self.V]), (model.elements,), np.inf, np.inf)
         self.state, self.offset = np.zeros((len(self._loads.rows), STATES)), np.zeros(len(model.table.name))
         self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
@@ -153,7 +154,8 @@ class MemoryStepper:
     def _off_load(self, V: float | None) -> bool | None:
         if V is None or self.model.changing is None:
             return load_mark(self.model.vertical, V, self.model.V)
-        return not self.model.changing.covers(np.array([V]))[0]
+        swung = self.swung + abs(self._now - self.V) > self.model.changing.swing
+        return bool(swung or not self.model.changing.covers(np.array([V]))[0])
 
     @property
     def reactions(self) -> Array:
@@ -224,7 +226,8 @@ class MemoryStepper:
         if self._water is not None:
             self.water = self._drained(self._water)[1]
         self.way += self._moved
-        self.offset, self.V, self.top = self._kept(), self._now, max(self.top, self._now)
+        self.offset, self.swung = self._kept(), self.swung + abs(self._now - self.V)
+        self.V, self.top = self._now, max(self.top, self._now)
         self._known = self.V, self._steps[-1].rows
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()
         self._conditions, self._steps = (self._conditions[0], None), self._to(None)  # what has drained, or relaxed, has
