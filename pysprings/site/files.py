@@ -14,6 +14,7 @@ import numpy as np
 
 from pysprings.core.arrays import Array
 from pysprings.core.tables import ENDINGS, Column, Sheet, Table, TableNote, is_table, one_table, sheets_of, split
+from pysprings.core.tables.files import text_of
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted
@@ -204,15 +205,29 @@ def _tests(path: Path, sheets: list[Sheet]) -> list[Sounding]:
     table.faults.stop()
     plain = np.isnan(given["u2"]) & np.isfinite(given["u"])
     given["u2"] = np.where(plain, given.pop("u"), given["u2"])
-    notes = ["u is taken as u2, behind the cone"] * bool(plain.any())
+    ratio, notes = _above(table)
+    notes += ["u is taken as u2, behind the cone"] * bool(plain.any())
     locations = list(dict.fromkeys(each for each in names if each)) or [""]
 
     def test(name: str) -> Sounding:
         own = np.array([each in (name, "") for each in names])
         part = {key: value[own] for key, value in given.items()}
-        return sounding(table.place, name or path.stem, part, remarks=notes)
+        return sounding(table.place, name or path.stem, part, ratio, remarks=notes)
 
     return usable(partial(test, name) for name in locations)
+
+
+def _above(table: Table) -> tuple[float | None, list[str]]:
+    """Return the net area ratio in the lines above the heading, and a note of other values that stand there."""
+    ratio, others = None, list[str]()
+    for _, cells in table.above:
+        texts = [text for text in map(text_of, cells) if text]
+        found = re.search(r"area ratio\D*?(\d*[.,]?\d+)", line := " ".join(texts), re.IGNORECASE)
+        if found and ratio is None:
+            ratio = float(found[1].replace(",", "."))
+        elif any(re.search(r"\d", text) for text in texts[1:]):
+            others.append(line)
+    return ratio, [f"what stands above the heading does not count: {'; '.join(others[:3])}"] * bool(others)
 
 
 def _value_columns() -> tuple[Column, ...]:

@@ -81,7 +81,10 @@ class Faults:
 
 @dataclass
 class Table:
-    """Rows of a table and the columns that were found; ``lines`` are their numbers in the file."""
+    """Rows of a table and the columns that were found; ``lines`` are their numbers in the file.
+
+    ``above`` are the lines above the heading: titles, comments, values beside their names.
+    """
 
     place: str
     head: list[str]
@@ -92,6 +95,7 @@ class Table:
     columns: dict[str, tuple[int, Heading]] = field(default_factory=dict)
     style: Style = field(default_factory=Style)
     wrong: set[str] = field(default_factory=set)
+    above: list[Line] = field(default_factory=list)
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns
@@ -244,7 +248,7 @@ def _table(sheet: Sheet, known: Headings, faults: Faults, reshape: Reshape | Non
     if reshape is not None:
         head, body = reshape(head, body)
     numbers = np.array([number for number, _ in body], dtype=np.int64)
-    table = Table(sheet.place, head, [cells for _, cells in body], numbers, faults, line)
+    table = Table(sheet.place, head, [cells for _, cells in body], numbers, faults, line, above=sheet.lines[:at])
     _refuse_merged(table, sheet)
     _read_head(table, known)
     _refuse_hidden(table, sheet)

@@ -235,6 +235,14 @@ def test_an_area_ratio_in_percent_is_no_area_ratio(tmp_path) -> None:
         assert any("the area ratio 75 of the file is no share of 0.1 to 1" in each for each in test.notes)
 
 
+@pytest.mark.parametrize("line", ["Net area ratio,0.70", "# net area ratio a: 0.70 [-]", "Net area ratio;0.70", "x"])
+def test_the_area_ratio_above_the_heading_counts_and_other_values_are_remarked_on(line, tmp_path) -> None:
+    text = f"Site A 12\n{line}\nPre-drilled depth,1 m\n" + CSV.replace(",remark", "").replace(",x", "")
+    (test,) = read(tmp_path, "a.csv", text.replace(",", ";") if ";" in line else text).soundings
+    assert test.area_ratio == (None if line == "x" else 0.7)
+    assert "what stands above the heading does not count: Pre-drilled depth 1 m" in test.notes
+
+
 def test_pore_pressures_that_are_nothing_are_remarked_on(tmp_path) -> None:
     rows = "".join(f"{z},{q},{f},0.0001\n" for z, q, f in zip(DEPTH, CONE, SLEEVE, strict=True))
     (test,) = read(tmp_path, "a.csv", "z [m],qc [MPa],fs [MPa],u2 [MPa]\n" + rows).soundings
