@@ -50,8 +50,12 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         os.replace(temporary, target)
         _sync_folder(target.parent)
     except Exception as error:
-        if error.args and isinstance(error.args[0], OSError):  # a writer of workbooks wraps errors of the system
-            raise error.args[0] from None
+        wrapped = error.args and isinstance(error.args[0], OSError)  # by a writer of workbooks
+        cause = error.args[0] if wrapped else error
+        if isinstance(cause, OSError) and cause.filename is None:  # of a full disk
+            cause.filename = os.fspath(target)
+        if wrapped:
+            raise cause from None
         raise
     finally:
         temporary.unlink(missing_ok=True)
