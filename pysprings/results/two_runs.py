@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Two runs beside each other: what differs in their scenes, initial stiffness, paths and limit loads."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -10,12 +11,13 @@ import xarray as xr
 
 from pysprings.core.arrays import Array
 from pysprings.core.loads import same_load
+from pysprings.core.path_kinds import height_of_load
 from pysprings.core.text import number, percent
 from pysprings.core.variables import EXTRAPOLATED
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.measures import carried
 from pysprings.results.parts import node
-from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
+from pysprings.springs.path import RecordedPath, is_rate, paths_of, space_paths_of
 from pysprings.springs.path_ends import before_cavitation, end_of
 
 POINTS = 200  # of the range that both paths have, where their loads are compared
@@ -124,6 +126,11 @@ def _paths(first: Run, second: Run) -> Iterator[Row]:
         a, b = (paths_of(each.result)[name] for each in (first, second))
         if not same_load(a.load, b.load):
             yield _row(f"path {name}", "V at its start", "kN", 1e-3 * a.load, 1e-3 * b.load)
+        if a.rate and b.rate and not is_rate(a.rate, b.rate):
+            yield _row(f"path {name}", "rate", "mm/s", 1e3 * a.rate, 1e3 * b.rate)
+        heights = [height for each in (a, b) if (height := height_of_load(each.attrs)) is not None]
+        if len(heights) == 2 and not math.isclose(*heights):
+            yield _row(f"path {name}", "height of its load", "m", *heights)
         yield from _along(f"path {name}", a, b)
         yield Row(f"path {name}", "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
         one, other = (end_of(name, before_cavitation(each.dataset)) for each in (a, b))

@@ -65,14 +65,19 @@ def test_what_goes_up_has_its_sign_and_what_is_not_compared_is_named(folders: tu
     assert [made["path alone: not compared"][each] for each in ("first", "second")] == ["-", "pull"]
 
 
-def test_paths_of_one_name_at_different_vertical_loads_are_marked(folders: tuple[Path, Path]) -> None:
-    """`ray_0_load_1` is the first of the vertical loads, whatever they are in each run."""
-    first, changed = (open_result(folders[0]) for _ in range(2))
-    changed["paths/pull"]["V"].values += 1e6
-    load = 1e-3 * float(first["paths/pull"]["V"][0])
-    found = differences(*(Run(name, tree, RunRecord()) for name, tree in (("a", first), ("b", changed))))
-    (row,) = [row for row in found if row.quantity == "V at its start"]
-    assert row.part == "path pull" and row.change == pytest.approx(100e3 / load)
+def test_paths_of_one_name_at_different_loads_heights_and_rates_are_marked(folders: tuple[Path, Path]) -> None:
+    """`ray_0_load_1` is the first of the vertical loads, `pull_2` twice the diameter high, in each run its own."""
+    trees = [open_result(folders[0]) for _ in range(2)]
+    for tree, load, height, time in zip(trees, (0.0, 1e6), (2.0, 3.0), (10.0, 2.0), strict=True):
+        path = tree["paths/pull"]
+        path["V"].values += load
+        path.attrs["arm_m"] = height
+        path["time"] = path["u"].copy(data=np.linspace(0.0, time, path.sizes["step"]))
+    load = 1e-3 * float(trees[0]["paths/pull"]["V"][0])
+    found = differences(*(Run(name, tree, RunRecord()) for name, tree in zip("ab", trees, strict=True)))
+    changes = {row.quantity: row.change for row in found if row.part == "path pull"}
+    assert changes["V at its start"] == pytest.approx(100e3 / load)
+    assert changes["height of its load"] == pytest.approx(50.0) and changes["rate"] == pytest.approx(400.0)
 
 
 def test_layers_of_one_name_are_compared_each_with_its_own(folders: tuple[Path, Path]) -> None:
