@@ -138,13 +138,12 @@ CALCULIX = Exporter(
 )
 SACS = Exporter(
     name="sacs",
-    description="P-Y, T-Z and Q-Z cards for SACS PSI, metric; not run in SACS",
+    description="P-Y, M-T, T-Z and Q-Z cards for SACS PSI, metric; not run in SACS",
     write=_loaded("sacs"),
     suffixes=(".inp",),
     options=(
-        Option("springs", "spring set whose p-y springs are written", "full", choices=("full", "pisa", "py")),
         Option("points", "points of a side of a curve; a curve has at most 30", 20),
-        *(option for option in table_options(20) if option.name in ("V", "rate")),
+        *(option for option in table_options(20) if option.name in ("springs", "V", "rate")),
         Option("soil", "name of the soil, four letters", "SOL1"),
         Option("head", "height of the pile head above mudline", unit="m", example="2 m"),
     ),

@@ -1,23 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""SACS PSI: P-Y, T-Z and Q-Z cards of a pile that is the caisson; not run in SACS.
+"""SACS PSI: P-Y, M-T, T-Z and Q-Z cards of a rigid pile that stands for the caisson; not run in SACS.
 
-P-Y cards have no moments: what turns against the rotation (m, M_tip, M_lid) is lost, and the error of that is printed.
-Forces of tip and lid join the slices beside them. Cards have fixed columns, six characters a number (metric: m, cm,
-kN/cm, kN/cm2), after the SACS 2024 PSI manual, 2.4.3.7, 2.4.3.8 and 2.4.5.2 (T-Z, Q-Z and P-Y curves of the user).
+Virtual springs of a fan stand in strata down to twice the skirt length, so that a pile of that length carries them;
+springs at real depths in those of the skirt, forces of tip and lid in the strata beside. What turns against the
+rotation is one M-T stratum: on a rigid pile its depth is all the same. Cards have fixed columns, six characters a
+number (metric: m, cm, kN/cm, kN m/cm, kN/cm2), after the SACS 2024 PSI manual, 2.4.3.7, 2.4.3.8, 2.4.5.2, 2.4.6.1 and
+chapter 9 (T-Z, Q-Z, P-Y and M-T curves of the user).
 """
 
 import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
+from pysprings.macro.fan import has_fan
 from pysprings.macro.solver import row_values
-from pysprings.results.exporters.base import ZONE, Exported, Options, Source, Target
+from pysprings.results.exporters.base import RINGS, VIRTUAL, ZONE, Exported, Options, Source, Target
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
 from pysprings.results.exporters.uniaxial_sets import (
@@ -41,6 +45,7 @@ class Kind:
     """Words and columns of a family of curves: header, stratum, data; its factor and where that stands.
 
     Reactions are multiplied by the factor: T and Q in kN/cm2 are small, and have more digits in units of 0.001.
+    diameter : column and width of the reference diameter.
     """
 
     head: str
@@ -48,9 +53,11 @@ class Kind:
     data: str
     column: int
     factor: str
+    diameter: tuple[int, int] = (0, 0)
 
 
-PY = Kind("SOIL LATERAL HEAD", "SOIL P-Y", "P-Y", 37, " 1.0")
+PY = Kind("SOIL LATERAL HEAD", "SOIL P-Y", "P-Y", 37, " 1.0", (28, 6))
+MT = Kind("SOIL BENDING HEAD", "SOIL M-T", "M-T", 39, " 1.0", (45, 7))
 TZ = Kind("SOIL TZAXIAL HEAD", "SOIL T-Z", "T-Z", 39, " 0.001")
 QZ = Kind("SOIL BEARING HEAD", "SOIL BEAR", "T-Z", 39, " 0.001")
 
@@ -97,11 +104,15 @@ def rounded(stratum: Stratum) -> Stratum:
     return Stratum(stratum.top, stratum.bottom, q[keep], f[keep], stratum.symmetric)
 
 
-def cards(kind: Kind, strata: Sequence[Stratum], name: str, diameter: float | None = None) -> Iterator[str]:
-    """Yield the lines of a family; diameter [cm] is the reference of P-Y curves (the pile's own: P stays as it is)."""
+def cards(
+    kind: Kind, strata: Sequence[Stratum], name: str, diameter: float = 0.0, *flags: tuple[int, str]
+) -> Iterator[str]:
+    """Yield the lines of a family; diameter [cm] is the reference (the pile's own: P and M stay), flags of its head."""
     most = max(each.q.size for each in strata)
-    reference = [(28, f"{diameter:6.1f}")] if diameter is not None else []
-    yield _card((1, kind.head), (18, f"{len(strata):3d}"), (21, f"{most:3d}"), *reference, (41, f"{name:4.4s}"))
+    column, width = kind.diameter
+    reference = [(column, f"{diameter:{width}.1f}")] if column else []
+    head = (1, kind.head), (18, f"{len(strata):3d}"), (21, f"{most:3d}"), *reference, (41, f"{name:4.4s}")
+    yield _card(*head, *flags)
     for each in strata:
         marks = (14, "SLOC"), (18, "SM" if each.symmetric else "  "), (22, f"{each.q.size:2d}")
         yield _card(
@@ -127,32 +138,44 @@ def _card(*fields: tuple[int, str]) -> str:
 
 
 FINE = 801
-CM, KN_PER_CM, N_PER_CM2 = 1e-2, 1e5, 1e4  # in SI; T and Q have the factor 0.001
+CM, KN_PER_CM, N_PER_CM2 = 1e-2, 1e5, 1e4  # in SI, kN m/cm as kN/cm; T and Q have the factor 0.001
+STRATA, DEEPEST = 12, 2.0  # of virtual springs; the length of their pile over that of the skirt
+GAP = 1e-6  # m, between strata: rounding
 _FRAME = "pile axis down; depths from the pile head [m]; z of T-Z and Q-Z positive downwards (pile in compression)"
-_UNITS = "metric: depth m, P kN/cm, y and z cm, T and Q 0.001 kN/cm2 (factor 0.001 in columns 39-44; that of P is 1)"
+_UNITS = (
+    "metric: depth m, P kN/cm, y and z cm, M kN m/cm, theta rad, T and Q 0.001 kN/cm2 (factor 0.001 in columns 39-44; "
+    "those of P and M are 1)"
+)
 _LOST = (
-    "the pile is the caisson: give it a very stiff section; PSI takes other actions of the pile by itself",
+    "PSI takes other actions of the pile by itself; its own base shear and base moment are switched off",
     "torsion is not written: PSI takes GJ/L of the pile without it, and warns",
     "the vertical curves are changes from the state at rest: PSI begins at zero load",
     "lateral curves do not depend on V; PSI resolves them in the two local planes of the pile",
     "nonlinear elastic (monotonic backbone): no hysteresis, no memory; curves are flat behind their last point",
 )
+_PREVIEW = (
+    "M-T cards (all that turns against the rotation): a technical preview in PSI, full in Pile3D (manual of 2024)"
+)
 
 
-def _lateral(made: Uniaxial) -> tuple[list[Spring], list[str]]:
-    """Return the p springs of all slices, with forces of tip and lid in the slice beside; and what is left out."""
-    slices = [each for each in made.springs if each.direction == "lateral" and each.height > 0.0]
-    if not slices:
+def _pile(made: Uniaxial, springs: Springs) -> tuple[list[Spring], list[tuple[float, float]], float, str]:
+    """Return lateral springs, one a stratum, top and bottom of the strata, the length of the pile [m], and words."""
+    own = [each for each in made.springs if each.direction == "lateral"]
+    if made.model.spring_set == VIRTUAL:
+        length, height = DEEPEST * springs.length, DEEPEST * springs.length / STRATA
+        words = f"the pile stands for the whole foundation: {length:g} m long below mudline, with a very stiff section"
+        bounds = [(each.depth - 0.5 * height, each.depth + 0.5 * height) for each in own]
+        return [replace(each, height=height) for each in own], bounds, length, words
+    strata = [each for each in own if each.height > 0.0]
+    if not strata:
         raise refused("springs", f"the set '{made.model.spring_set}' has no p-y springs")
-    ends = [each for each in made.springs if each.direction == "lateral" and each.height == 0.0]
-    turning = sorted({each.name for each in made.springs if each.direction == "rotation"})
-    lost = [f"no P-Y card for what acts against the rotation: {', '.join(turning)}"] if turning else []
-    if ends:
-        lost.append(f"forces of {', '.join(each.name for each in ends)} act on the slices beside them")
-    for end in ends:
-        k = min(range(len(slices)), key=lambda j: abs(slices[j].depth - end.depth))
-        slices[k] = _sum(slices[k], end)
-    return slices, lost
+    others = [each for each in own if each.height == 0.0]
+    for end in others:
+        k = min(range(len(strata)), key=lambda j: abs(strata[j].depth - end.depth))
+        strata[k] = _sum(strata[k], end)
+    joined = f"; forces of {', '.join(each.name for each in others)} act on the slices beside them" if others else ""
+    words = f"the pile is the caisson: give it a very stiff section{joined}"
+    return strata, [_bounds(made, each.depth) for each in strata], springs.length, words
 
 
 def _sum(one: Spring, other: Spring) -> Spring:
@@ -188,23 +211,35 @@ def _vertical(made: Uniaxial) -> tuple[list[Spring], list[Spring]]:
     return skirt, [spring("q", float(table.depth.max()), 0.0, ends)] if ends else []
 
 
-def _stratum(given: Table, bounds: tuple[float, float], unit: float) -> Stratum:
-    """Return the curve of a table, reactions in `unit` of SI, as the cards hold it."""
+def _stratum(given: Table, bounds: tuple[float, float], unit: float, of_q: float = CM) -> Stratum:
+    """Return the curve of a table, reactions and displacements in units of SI, as the cards hold it."""
     odd = given.spring.odd
     used = given.q >= 0.0 if odd else slice(None)
-    return rounded(Stratum(*bounds, given.q[used] / CM, given.f[used] / unit, odd))
+    return rounded(Stratum(*bounds, given.q[used] / of_q, given.f[used] / unit, odd))
 
 
-def _bounds(made: Uniaxial, depth: float, head: float) -> tuple[float, float]:
-    """Return top and bottom of the slice at a depth [m], below the pile head."""
+def _bounds(made: Uniaxial, depth: float) -> tuple[float, float]:
+    """Return top and bottom [m] of the slice at a depth [m]."""
     edges = made.model.origin["depth_bounds"]
     k = int(np.argmin(np.abs(made.model.origin.depth - depth)))
-    return head + float(edges[k, 0]), head + float(edges[k, 1])
+    return float(edges[k, 0]), float(edges[k, 1])
 
 
-def _as_written(given: Table, stratum: Stratum, unit: float) -> Table:
+def _whole(strata: Sequence[Stratum], length: float, head: float) -> list[Stratum]:
+    """Return strata of a pile of a length [m] without gaps, those in between empty, at depths below the pile head."""
+    out, edge = list[Stratum](), 0.0
+    none = replace(strata[0], q=np.array([0.0, 1.0]), f=np.zeros(2), symmetric=True)
+    for each in [*strata, replace(none, top=length, bottom=length)]:
+        if each.top > edge + GAP:
+            out.append(replace(none, top=edge, bottom=each.top))
+        out.append(each)
+        edge = each.bottom
+    return [replace(each, top=head + each.top, bottom=head + each.bottom) for each in out[:-1]]
+
+
+def _as_written(given: Table, stratum: Stratum, unit: float, of_q: float = CM) -> Table:
     """Return a symmetric table with the numbers of the cards, in SI."""
-    q, f = stratum.q * CM, stratum.f * unit
+    q, f = stratum.q * of_q, stratum.f * unit
     spring = replace(given.spring, low=-float(q[-1]), high=float(q[-1]))
     return replace(given, spring=spring, q=np.concatenate([-q[:0:-1], q]), f=np.concatenate([-f[:0:-1], f]))
 
@@ -215,28 +250,44 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str], Spri
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
     springs, load = springs_at(source, options)
-    made = uniaxial(springs, options["springs"], load, planes=2, slices=ZONE)
-    axial, words = _axial_cards(springs, made, options)
-    lateral, errors = _lateral_cards(springs, made, options)
-    lost = [f"springs '{made.model.spring_set}'", *made.lost, *_LOST, no_heave(springs), *words, *errors]
+    chosen = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
+    below = -np.arctan(DEEPEST * (np.arange(STRATA) + 0.5) / STRATA)
+    made = uniaxial(
+        springs, chosen, load, planes=2, slices=RINGS if chosen == VIRTUAL else ZONE,
+        directions=np.append(below, -0.5 * np.pi),
+    )  # fmt: skip
+    strata, bounds, length, about = _pile(made, springs)
+    axial, words = _axial_cards(springs, made, options, length)
+    lateral, errors = _lateral_cards(springs, made, options, strata, bounds, length)
+    lost = [f"springs '{made.model.spring_set}'", *made.lost, about, *_LOST, no_heave(springs), *words, *errors]
     return [*axial, *lateral], lost, springs
 
 
-def _lateral_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
-    """Return P-Y cards, and sentences on what they lose, with the errors of the curves as they are written."""
-    head, (slices, lost) = float(options["head"] or 0.0), _lateral(made)
-    strata, written = [], []
-    for given in (table(each, 2 * int(options["points"]) - 1) for each in slices):
-        unit = KN_PER_CM * given.spring.height
-        strata.append(_stratum(given, _bounds(made, given.spring.depth, head), unit))
-        written.append(_as_written(given, strata[-1], unit))
-    fine, carried = with_tables(made, [table(each, FINE) for each in slices]), with_tables(made, written)
-    lost += [change_by_tables(springs, fine, carried), *errors_by_role(springs, carried, "error of these P-Y cards")]
-    return list(cards(PY, strata, str(options["soil"]), 100.0 * springs.diameter)), lost
+def _lateral_cards(
+    springs: Springs, made: Uniaxial, options: Options,
+    strata: list[Spring], bounds: list[tuple[float, float]], length: float,
+) -> tuple[list[str], list[str]]:  # fmt: skip
+    """Return P-Y and M-T cards, and sentences on what they lose, with the errors of the curves as they are written."""
+    head, soil, diameter = float(options["head"] or 0.0), str(options["soil"]), 100.0 * springs.diameter
+    turning = [each for each in made.springs if each.direction == "rotation"]
+    turning = [replace(reduce(_sum, turning), depth=0.0, height=length)] if turning else []
+    given = [table(each, 2 * int(options["points"]) - 1) for each in [*strata, *turning]]
+    held, written = [], []
+    for each, ends in zip(given, [*bounds, (0.0, length)], strict=False):
+        units = KN_PER_CM * each.spring.height, CM if each.spring.direction == "lateral" else 1.0
+        held.append(_stratum(each, ends, *units))
+        written.append(_as_written(each, held[-1], *units))
+    fine, carried = with_tables(made, [table(each.spring, FINE) for each in given]), with_tables(made, written)
+    lost = [change_by_tables(springs, fine, carried), *errors_by_role(springs, carried, "error of these cards")]
+    py = _whole(held[: len(strata)], length, head)
+    lines = [*cards(PY, py, soil, diameter, (61, "NN"), (67, "Y" if turning else "N"))]
+    if turning:
+        lines += cards(MT, _whole(held[len(strata) :], length, head), soil, diameter)
+    return lines, [*lost, *[_PREVIEW] * bool(turning)]
 
 
-def _axial_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[list[str], list[str]]:
-    """Return T-Z and Q-Z cards, and sentences on them; no cards without vertical paths."""
+def _axial_cards(springs: Springs, made: Uniaxial, options: Options, length: float) -> tuple[list[str], list[str]]:
+    """Return T-Z and Q-Z cards of a pile of a length [m], and sentences on them; no cards without vertical paths."""
     skirt, end = _vertical(made)
     if not skirt:
         return [], ["no T-Z and Q-Z cards: the springs have no vertical paths"]
@@ -245,10 +296,9 @@ def _axial_cards(springs: Springs, made: Uniaxial, options: Options) -> tuple[li
     thickness = float(springs.attrs["skirt_thickness_m"])
     area = math.pi * (springs.diameter - thickness) * thickness
     around = N_PER_CM2 * math.pi * springs.diameter
-    strata = [_stratum(table(each, points), _bounds(made, each.depth, head), around) for each in skirt]
-    lines = list(cards(TZ, strata, soil))
-    bounds = head, head + springs.length + 1.0
-    strata = [_stratum(table(each, points), bounds, N_PER_CM2 * area) for each in end]
+    strata = [_stratum(table(each, points), _bounds(made, each.depth), around) for each in skirt]
+    lines = list(cards(TZ, _whole(strata, length, head), soil))
+    strata = [_stratum(table(each, points), (head, head + length + 1.0), N_PER_CM2 * area) for each in end]
     return [*lines, *(cards(QZ, strata, soil) if end else ())], list(_axial(made, area))
 
 

@@ -61,37 +61,37 @@ _CHECKED = {
 }  # fmt: skip
 
 
-def virtual_table(model: MacroModel, planes: int = 2) -> SpringTable:
-    """Return the laws of the springs at virtual depths, in each plane, of a model on a fan."""
+def virtual_table(model: MacroModel, planes: int = 2, directions: Array = DIRECTIONS) -> SpringTable:
+    """Return the laws of the springs at virtual depths, in each plane, of a model on a fan; directions (n,) [rad]."""
     table = model.table
     assert isinstance(table, FanTable)
     reach = float(table.range.max())
-    weights = _fit(model, table, reach, planes)
-    rows = [_row(angle, each, reach, table.length) for angle, each in zip(DIRECTIONS, weights, strict=True)]
+    weights = _fit(model, table, reach, planes, directions)
+    rows = [_row(angle, each, reach, table.length) for angle, each in zip(directions, weights, strict=True)]
     total = max(float(each.sum()) for each in weights)
     return stack([row for row, each in zip(rows, weights, strict=True) if each.sum() > LEAST * total])
 
 
-def _fit(model: MacroModel, table: FanTable, reach: float, planes: int) -> Array:
+def _fit(model: MacroModel, table: FanTable, reach: float, planes: int, directions: Array) -> Array:
     """Return the stiffness (directions, scales) [N/m] of the curves."""
     from scipy.optimize import nnls
 
     states = _states(table)
     L = table.length
     loads = np.array([model.reactions(u, v / L)[0] / [1.0, L] for u, v in states])
-    along = np.stack([np.cos(DIRECTIONS), np.sin(DIRECTIONS)])  # (2, directions)
+    along = np.stack([np.cos(directions), np.sin(directions)])  # (2, directions)
     forces = in_planes(states @ along, reach, planes)  # (states, directions, scales)
     columns = np.einsum("id,sdk->sidk", along, forces) / np.linalg.norm(loads, axis=1)[:, None, None, None]
     K = model.reactions(0.0, 0.0)[1] / [[1.0, L], [L, L * L]]
     size = np.linalg.norm(K)
     initial = 0.5 * planes * np.einsum("id,jd,k->ijdk", along, along, np.ones(SCALES.size)) / size
     heavy = HEAVY * np.sqrt(len(states) / 4.0)
-    n = DIRECTIONS.size * SCALES.size
+    n = directions.size * SCALES.size
     left = np.concatenate([columns.reshape(-1, n), heavy * initial.reshape(-1, n)])
     right = np.concatenate([(loads / np.linalg.norm(loads, axis=1)[:, None]).ravel(), heavy * (K / size).ravel()])
     scale = np.linalg.norm(left, axis=0)
     k: Array = nnls(left / scale, right, maxiter=30 * n)[0] / scale
-    return k.reshape(DIRECTIONS.size, SCALES.size)
+    return k.reshape(directions.size, SCALES.size)
 
 
 def _states(table: FanTable) -> Array:
@@ -141,14 +141,15 @@ class Uniaxial:
 
 
 def uniaxial(
-    springs: Springs, kind: str | None = None, V: float | None = None, planes: int = 0, slices: str = RINGS
-) -> Uniaxial:
+    springs: Springs, kind: str | None = None, V: float | None = None, planes: int = 0, slices: str = RINGS,
+    directions: Array = DIRECTIONS,
+) -> Uniaxial:  # fmt: skip
     """Return the uniaxial springs of a set: "virtual" (of a fan; the default with one), "pisa", "full" or "py".
 
     Springs at real depths stand in the slices of the mesh ("rings"), or in those of `reslice` with the last fifth of
     the skirt as one ("zone", or blank). V [N] selects the lateral springs of several vertical loads. `planes` is the
     number of vertical planes in which springs stand, even; 0 for that of the set: 8 of virtual springs, 2 of others,
-    which are exact along both.
+    which are exact along both. `directions` (n,) [rad] are those that virtual springs read.
 
     Raises UserInputError: the springs do not give the set, or there are none of a full model.
     """
@@ -165,7 +166,7 @@ def uniaxial(
     model = MacroModel.from_springs(springs, "fan" if chosen == VIRTUAL else chosen, V=V)
     if chosen == VIRTUAL:
         made, lost = (
-            virtual_table(model, planes),
+            virtual_table(model, planes, directions),
             ["lateral springs stand at virtual depths: they represent the whole foundation"],
         )
     else:

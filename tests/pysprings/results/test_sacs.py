@@ -8,16 +8,20 @@ import numpy as np
 import pytest
 
 from pysprings.core.errors import UserInputError
+from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import build_vertical
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.sacs import number
 from pysprings.results.exporters.uniaxial_sets import uniaxial
 from pysprings.springs.springs import Springs
 from tests.support import stored, synthetic
+from tests.support.fans import fan_springs, potential
 from tests.support.vertical import vertical_springs
 
 TEXTS = Path(__file__).parent / "texts"
-HEADS = {"SOIL TZAXIAL HEAD": "T-Z", "SOIL BEARING HEAD": "T-Z", "SOIL LATERAL HEAD": "P-Y"}
+HEADS = {
+    "SOIL TZAXIAL HEAD": "T-Z", "SOIL BEARING HEAD": "T-Z", "SOIL LATERAL HEAD": "P-Y", "SOIL BENDING HEAD": "M-T",
+}  # fmt: skip
 Curve = tuple[float, float, bool, float, np.ndarray]  # top, bottom [m], symmetric, factor, pairs (force, displacement)
 
 
@@ -81,6 +85,8 @@ def test_columns_counts_and_rules(cards: list[str]) -> None:
     assert list(families) == list(HEADS)  # axial, end bearing, lateral
     head, laterals = families["SOIL LATERAL HEAD"]
     assert columns(head, 28, 33) == " 780.0" and columns(head, 41, 44) == "SOL1"
+    assert columns(head, 61, 62) == "NN" and columns(head, 67, 67) == "Y"  # tip by its springs, M-T cards
+    assert columns(families["SOIL BENDING HEAD"][0], 41, 51) == "SOL1  780.0"
     for _, curves in families.values():
         for top, bottom, symmetric, _, pairs in curves:
             assert bottom > top >= 0.0
@@ -101,6 +107,30 @@ def test_p_y_cards_carry_the_lateral_force_of_the_springs(source: Source, cards:
             for top, bottom, _, factor, pairs in laterals
         )
         assert carried == pytest.approx(model.reactions(u, 0.0)[0][0], rel=0.01)
+
+
+@pytest.mark.parametrize("kind", ["virtual", "pisa"])
+@pytest.mark.parametrize(("u", "rotation"), [(2e-3, 0.0), (2e-3, 5e-4), (0.0, 1e-3), (3e-3, -3e-4)])
+def test_a_rigid_pile_on_the_cards_carries_the_loads_of_the_springs(
+    kind: str, u: float, rotation: float, tmp_path: Path
+) -> None:
+    """P-Y by depth and M-T over the pile: H and M, those of the fan to what uniaxial springs leave."""
+    tree = fan_springs(potential)
+    export(Source(tree), "sacs", tmp_path, springs=kind)
+    families = read((tmp_path / "caisson_sacs.inp").read_text().splitlines())
+    H, M = 0.0, 0.0
+    for top, bottom, _, _, pairs in families["SOIL LATERAL HEAD"][1]:
+        depth = 0.5 * (top + bottom)
+        y = u - depth * rotation
+        p = 1e5 * (bottom - top) * np.sign(y) * np.interp(abs(100.0 * y), pairs[:, 1], pairs[:, 0])
+        H, M = H + p, M - depth * p
+    ((top, bottom, _, factor, pairs),) = families["SOIL BENDING HEAD"][1]
+    M += 1e5 * factor * (bottom - top) * np.sign(rotation) * np.interp(abs(rotation), pairs[:, 1], pairs[:, 0])
+    model = MacroModel.from_springs(tree, "fan" if kind == "virtual" else kind)
+    exact, length = model.reactions(u, rotation)[0], model.length
+    size = np.hypot(exact[0], exact[1] / length)
+    assert np.hypot(H - exact[0], (M - exact[1]) / length) < (0.1 if kind == "virtual" else 0.02) * size
+    assert bottom == (2.0 if kind == "virtual" else 1.0) * length
 
 
 @pytest.mark.parametrize("ends", [(1e-2, -1e-2), (1e-2,), (-1e-2,)])
@@ -139,9 +169,9 @@ def test_what_the_cards_cannot_hold_is_named_with_its_error(source: Source, tmp_
     done = export(source, "sacs", tmp_path, springs="pisa", head=2.0)
     text = (tmp_path / "caisson_sacs.inp").read_text()
     for words in (
-        "no P-Y card for what acts against the rotation",
+        "M-T cards (all that turns against the rotation)",
         "torsion is not written",
-        "error of these P-Y cards",
+        "error of these cards",
     ):
         assert any(words in remark for remark in done.remarks), words
     plain = " ".join(line.strip("* ") for line in text.splitlines() if line.startswith("*"))
