@@ -130,8 +130,17 @@ LARGEST = MOTIONS | {"utilisation": "utilisation", "utilisation_V": "V used"}
 BESIDE = {
     "u_m": ("secant_H_u_N_per_m", "u_deviation_m", "u_x_m", "u_y_m", *STIFFNESS.values()),
     "rotation_rad": ("secant_M_rotation_Nm", "rotation_deviation_rad", "rot_x_rad", "rot_y_rad"),
-    "utilisation": ("H_capacity_N", "M_capacity_Nm", "capacity_kind"),
-    "utilisation_V": ("capacity_V_N", "capacity_V_kind"),
+    "utilisation": (  # of a group each estimate has its own shares of the loads
+        "direction_deg",
+        "H_N",
+        "M_Nm",
+        "across_Nm",
+        "torsion_Nm",
+        "H_capacity_N",
+        "M_capacity_Nm",
+        "capacity_kind",
+    ),
+    "utilisation_V": ("V_N", "V_springs_N", "capacity_V_N", "capacity_V_kind"),
 }
 WORST = ("tilt_deg", "range_used", "mesh_error_pct", "twist_rad")
 BOUNDS = {"u_bound_m": "u", "rotation_bound_rad": "rotation", "utilisation_bound": "utilisation"}
@@ -142,9 +151,9 @@ def governing(tables: Mapping[str, pd.DataFrame]) -> tuple[pd.DataFrame, pd.Data
 
     A row that governs has the largest motion and utilisation over the estimates, and the worst verdict; `estimate`
     names the estimate of each: "low (u, rotation), high (utilisation)". Secants and tangents are of the estimate of
-    their motion, capacities of that of their utilisation, mesh error and range used the largest, everything else of the
-    estimate of that verdict. Motions are blank where one estimate has no answer, utilisations where one has no
-    capacity, bounds where one has none: the largest is not known.
+    their motion, loads and capacities of that of their utilisation, mesh error and range used the largest, everything
+    else of the estimate of that verdict. Motions are blank where one estimate has no answer, utilisations where one
+    has no capacity, bounds where one has none: the largest is not known.
     """
     order = (text.OK, PARTLY, UNKNOWN, TILTED, OVERLOADED)
     all_rows, rows = [], []

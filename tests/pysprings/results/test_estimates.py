@@ -237,6 +237,18 @@ def test_numbers_beside_the_largest_are_those_of_its_estimate() -> None:
         assert np.isnan(governing(own)[1]["mesh_error_pct"][0])
 
 
+def test_loads_of_a_caisson_of_a_group_are_those_of_its_utilisation() -> None:
+    """Each estimate shares the loads in its own way; the worst verdict may be that of another one."""
+    row = {"name": "a, B", "u_m": 1.0, "w_m": 0.0, "rotation_rad": 1.0, "tilt_used": 0.1, "marks": "", "answered": 1}
+    low = row | {"H_N": 507e3, "M_Nm": -439e3, "V_N": 2.22e6, "utilisation": 0.12, "utilisation_V": 0.2}
+    low |= {"verdict": "ok"}
+    high = row | {"H_N": 500e3, "M_Nm": -216e3, "V_N": 2.24e6, "utilisation": 0.05, "utilisation_V": 0.3}
+    high |= {"verdict": "supported in part"}
+    _, worst = governing({"low": pd.DataFrame([low]), "high": pd.DataFrame([high])})
+    assert (worst["H_N"][0], worst["M_Nm"][0], worst["V_N"][0]) == (507e3, -439e3, 2.24e6)
+    assert (worst["verdict"][0], worst["utilisation"][0]) == ("supported in part", 0.12)
+
+
 def test_bounds_are_the_largest_over_the_estimates() -> None:
     row = {"name": "a", "u_m": 1.0, "w_m": 0.0, "rotation_rad": 1.0, "tilt_used": 0.1, "utilisation": 0.5}
     row |= {"utilisation_V": 0.2, "marks": "", "answered": 1, "verdict": "supported in part", "tilt_deg": 1.0}
