@@ -102,6 +102,9 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
             name: 1e-6 * float(run.result.dataset["stiffness_initial"].values[i, j]) for name, run in runs.items()
         }
         yield {"part": "initial stiffness", "quantity": quantity, **values}
+    result = next(iter(runs.values())).result
+    under = {name: path.under(str(result.attrs.get("drainage", ""))) for name, path in paths_of(result).items()}
+    several = len({under[name] for name in common}) > 1
     for name, paths in common.items():
         rules = kind_of(next(iter(paths.values())).attrs)
         unit, factor = LOAD_UNITS[rules.load]
@@ -112,7 +115,8 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
             values = {
                 each: factor * _between(at, *curve(path, rules.drives, rules.load)) for each, path in paths.items()
             }
-            yield {"part": f"path {name}", "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
+            part = f"path {name}" + f", {under[name]}" * several
+            yield {"part": part, "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
 
 
 def _py(common: Paths) -> Iterator[dict[str, Any]]:

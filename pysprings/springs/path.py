@@ -235,6 +235,11 @@ class RecordedPath:
         """Vertical load [N] at the start; 0 where a table does not have it."""
         return float(self["V"][0]) if "V" in self else 0.0
 
+    def under(self, drainage: str) -> str:
+        """Return the vertical load at the start and, where water flows, the rate in words."""
+        rate = f", {1e3 * self.rate:.4g} mm/s of {'w' if self.is_vertical else 'rho'}" if self.rate else ""
+        return f"V {1e-3 * self.load:.5g} kN" + rate * ("coupled" in drainage.split(", "))
+
     @cached_property
     def given_loads(self) -> Array:
         """Vertical load (n,) [N] of each state: that of the state before where both are one (`same_load`).

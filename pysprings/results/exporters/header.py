@@ -209,12 +209,11 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
     height = f"load {path.arm:g} m above mudline, " if np.isfinite(path.arm) else ""
     if direction := float(path.attrs.get("direction_rad", 0.0)):
         height += f"in its own plane, {np.degrees(direction):.4g} deg from x towards y, "
-    rate = f", {1e3 * path.rate:.4g} mm/s of rho" if path.rate and "coupled" in drainage.split(", ") else ""
     return (
         f"{drainage} {path.kind}, {height}"
         f"{path.attrs['role']}, {path.attrs['status']}: |u| to {round(1e3 * u, 9):.4g} mm, "
         f"|rotation| to {round(1e3 * rotation, 9):.4g} mrad, |H| to {1e-3 * load:.5g} kN, "
-        f"V {1e-3 * path.load:.5g} kN{rate}; out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
+        f"{path.under(drainage)}; out of balance by {missing['H']:.1e} (H), {missing['M']:.1e} (M). "
         f"Beyond this range every use is an extrapolation.{ended}"
     )
 

@@ -118,7 +118,10 @@ def validity(result: xr.DataTree) -> list[str]:
     """Return sentences on the range of the numbers: calibrated paths, displacements, effects that are not included."""
     behaviour = result.attrs.get("caisson_behaviour", "rigid")
     return [
-        *(_range_sentence(path) + _end_sentence(path.name, path.known) for path in paths_of(result).values()),
+        *(
+            _range_sentence(path, str(result.attrs.get("drainage", ""))) + _end_sentence(path.name, path.known)
+            for path in paths_of(result).values()
+        ),
         "Springs from one path hold on paths with nearly the same ratio of rotation to displacement. "
         "p(z)/y(z) is not a property of the soil: check other load heights against the full model.",
         "Monotonic loading, but for springs with memory; small displacements; the caisson is "
@@ -136,7 +139,7 @@ def _end_sentence(name: str, path: xr.Dataset) -> str:
     return f" It {end.words}." if end.failed else ""
 
 
-def _range_sentence(path: RecordedPath) -> str:
+def _range_sentence(path: RecordedPath, drainage: str) -> str:
     own, length = path.known, float(path.recorded["depth_bounds"].values[-1, 1])
     good = own["converged"].values.astype(bool)
     text = f"Path {path.name} ({path.attrs.get('kind', '')}, {path.attrs.get('role', '')}): "
@@ -150,7 +153,7 @@ def _range_sentence(path: RecordedPath) -> str:
     u, turn = np.where(
         np.abs(moved) > 1e-9 * np.abs(moved).max(), moved, 0.0
     )  # what is imposed as 0 is met to rounding
-    text += f"u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
+    text += f"{path.under(drainage)}, u from {u.min() * 1e3:.3g} to {u.max() * 1e3:.3g} mm, "
     text += f"rotation from {turn.min() / length * 1e3:.3g} to {turn.max() / length * 1e3:.3g} mrad"
     if u[-1]:
         text += f", rotation·L/u = {turn[-1] / u[-1]:.2f} at its end"

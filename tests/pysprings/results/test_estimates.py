@@ -107,10 +107,15 @@ def test_curves_side_by_side_are_those_of_each_estimate_with_their_sign(ran: tup
 
 
 def test_loads_at_equal_motion_do_not_depend_on_the_steps_of_a_run(tmp_path: Path) -> None:
-    """The same soil in few and in many steps: straight lines between those of the first are 1.4 % low."""
+    """The same soil in few and in many steps: straight lines between those of the first are 1.4 % low.
+
+    Paths at several vertical loads, or rates, state them.
+    """
     runs = {}
     for name, steps in (("low", 12), ("best", 200)):
-        result = measured_result(paths=(synthetic.Path("pull", arm=8.0, steps=steps),)).copy()
+        given = (synthetic.Path("pull", arm=8.0, steps=steps), synthetic.Path("pull_load_1", arm=8.0, steps=steps))
+        result = measured_result(paths=given).copy(deep=True)
+        result["paths/pull_load_1/V"][:] = 4e6
         result.attrs["title"] = f"Storm ({name} estimate) (cyclic: drammen.csv, N {steps}, tau_a/su 0)"
         runs[name] = Run(name, result, RunRecord(Status.COMPLETE))
         for table in ("load_displacement.csv", "py.csv"):
@@ -118,6 +123,7 @@ def test_loads_at_equal_motion_do_not_depend_on_the_steps_of_a_run(tmp_path: Pat
             (tmp_path / name / table).write_text("u_m\n0\n")
     _, loads = write_together(tmp_path, runs)
     page = (tmp_path / "report.html").read_text()
+    assert {"path pull, V 2000 kN", "path pull_load_1, V 4000 kN"} < set(loads["part"])
     assert "Storm" in page and "estimate)" not in page and "N 12" not in page  # that of one of them
     assert (loads["low"] / loads["best"]).to_numpy() == pytest.approx(np.ones(len(loads)), abs=0.005)
     py = pd.read_csv(tmp_path / "py_side_by_side.csv")

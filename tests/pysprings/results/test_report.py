@@ -282,7 +282,7 @@ def test_loads_at_a_tilt_are_interpolated_and_a_tilt_not_reached_is_a_dash(resul
 def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.DataTree) -> None:
     sentences = " ".join(validity.validity(result))
     path = result["paths/pull"]
-    assert "Path pull (pull, calibration): u from 0 to 20 mm" in sentences
+    assert "Path pull (pull, calibration): V 2000 kN, u from 0 to 20 mm" in sentences
     tree = result.copy(deep=True)
     tree["paths/pull"]["converged"][:] = 0
     assert "Path pull (pull, calibration): no converged step." in validity.validity(tree)
@@ -290,7 +290,7 @@ def test_validity_states_the_calibrated_range(result: xr.DataTree, springs: xr.D
     assert f"rotation·L/u = {ratio:.2f} at its end" in sentences
     tree["paths/turn"]["u"][:] = 1e-17  # imposed as 0, met to rounding
     (turn,) = (each for each in validity.validity(tree) if each.startswith("Path turn "))
-    assert turn == "Path turn (rotation, calibration): u from 0 to 0 mm, rotation from 0 to 4 mrad."
+    assert turn == "Path turn (rotation, calibration): V 2000 kN, u from 0 to 0 mm, rotation from 0 to 4 mrad."
 
 
 def test_a_report_ends_where_the_water_would_cavitate(result: xr.DataTree, springs: xr.DataTree) -> None:
