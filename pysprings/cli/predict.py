@@ -334,11 +334,13 @@ def _matrices(
     """Return the stiffness of the springs at each state, and the initial one; 6x6 where w is known."""
     from pysprings.cli import predictions
     from pysprings.macro import predict, stiffness
+    from pysprings.macro.spring_sets import MEMORY
 
     model = predict.model_of(springs, asking["springs_kind"], asking["path"], question.V)
     initial = stiffness.Form(**{**form, "secant": False})
     known = stiffness.has_six(springs)
-    six = stiffness.six_at_state(model, states.isel(step=0), form) if known and states.sizes["step"] == 1 else None
+    across = known and states.sizes["step"] == 1 and model.spring_set != MEMORY.name  # it needs the secant of a state
+    six = stiffness.six_at_state(model, states.isel(step=0), form) if across else None
     if six is not None and "direction" in states:
         six = stiffness.turned(six, float(states["direction"].values.flat[0]))
     return predictions.Matrices(

@@ -591,6 +591,21 @@ def test_a_long_way_is_marked_where_heave_is_extrapolated() -> None:
         sequence(springs, targets, control="state", springs_kind="memory", extrapolate=True)
 
 
+def test_springs_with_memory_have_the_tangent_of_a_state_that_is_asked_for(tmp_path) -> None:
+    """It was refused with words on the secant, which the plane across alone needs."""
+    path = str(save_springs(winkler.with_invented_memory(), tmp_path / "springs.nc"))
+    asked = ("predict", path, "--u", "1 mm", "--rotation", "0.1 mrad", "--springs", "memory", "--extrapolate", "--json")
+    found = json.loads(command(*asked, "--stiffness").out)["stiffness"]["matrices"][0]
+    stepper = MemoryStepper(build_memory(Springs.of(open_springs(path))))
+    for share in np.linspace(0.0, 1.0, 26)[1:]:
+        stepper.advance(motion=(1e-3 * share, 1e-4 * share))
+        tangent = stepper.tangent
+        stepper.commit()
+    lateral = np.ix_([0, len(found) - 1], [0, len(found) - 1])
+    np.testing.assert_allclose(np.array(found)[lateral], tangent, rtol=1e-6)
+    assert "no secant stiffness" in command(*asked, "--secant").err
+
+
 def test_springs_with_memory_refuse_what_has_no_history() -> None:
     springs = Springs.of(winkler.with_invented_memory())
     with pytest.raises(UserInputError, match="answer sequences, not independent cases"):
