@@ -64,10 +64,12 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
     table.faults.stop()
     if not len(table):
         table.fault(None, None, "no rows")
+    given = [values for name, values in columns.items() if name not in _BESIDE]
+    if "arm_m" in columns and len(table) > 1 and not any(values[0] for values in given):
+        columns["arm_m"][0] = columns["arm_m"][1]  # at rest nothing has a height
     if ("u_m" in columns or "rotation_rad" in columns) and np.unique(columns.get("arm_m", np.zeros(1))).size > 1:
         table.fault(None, "arm_m", "a motion is followed at one load height: arm_m must not change")
     if "time_s" in columns:
-        given = [values for name, values in columns.items() if name not in _BESIDE]
         for k in np.flatnonzero(too_early(columns["time_s"], np.stack(given, axis=1))):
             table.fault(int(k), "time_s", "must be later than the row before, and than 0 s (but for a row at rest)")
     for k in np.flatnonzero(columns.get("w_m", np.zeros(0))):

@@ -297,6 +297,7 @@ def write(path: Path, *lines: str) -> Path:
         (("M_Nm", "1"), "load", [[0, 1]], 0.0, None),
         (("u_m,rotation_rad", "1,2"), "state", [[1, 2]], 0.0, None),
         (("u_m,arm_m", "1,8", "2,8"), "displacement", [[1, 0], [2, 0]], 8.0, None),
+        (("u_m,arm_m", "0,0", "2,8"), "displacement", [[0, 0], [2, 0]], 8.0, None),
         (("rotation_rad", "1"), "rotation", [[1, 0]], 0.0, None),
         (("H [kN];arm_m;V [t]", "1,5;2;0"), "load", [[1500, 3000]], 0.0, [0.0]),
         (("H (MN);M [kN m]", "-1;2,25"), "load", [[-1e6, 2250]], 0.0, None),
