@@ -17,10 +17,11 @@ from pysprings.core.arguments import check_arrays, check_rows
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import HELD_BACK
-from pysprings.macro.answer import Care, raise_or_warn
+from pysprings.macro.answer import Care, raise_or_warn, trace
+from pysprings.macro.model import MacroModel
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.ways import RANGE_SLACK
-from pysprings.springs.path import SPACE_TURNS, SpacePath, in_planes
+from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, STRAIGHT, SpacePath, in_planes
 from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import ZONE
 
@@ -34,6 +35,8 @@ _UNCHECKED = (
     "{} of {} states go beyond the held-back paths out of one plane (lateral motions to {:.3g} of the range, twists to "
     "{:.3g}), or come after one"
 )
+_MOST_APART = 2.0  # difference of springs in space from those in one plane [%] that is no remark
+_APART = "all rows lie in one plane: springs of that plane (columns H_N, M_Nm or u_m, rotation_rad) differ by {:.2g} %"
 _NEVER = "springs in space, checked on no held-back path"
 _MARKS = ("converged", "extrapolated", "unchecked", "off_load", "off_path", "torsion_apart")
 
@@ -177,7 +180,32 @@ def sequence_in_space(
     check_rows(rows, V, time)
     down = None if V is None else np.broadcast_to(np.asarray(V, dtype=float), len(rows)).copy()
     answer = SpaceAnswers.of(springs, springs_kind).answer(control, rows, down, time)
-    return raise_or_warn(answer, **care)
+    apart = _plane_difference(Springs.of(springs), rows, control, answer)
+    remarks = [*answer.attrs["remarks"], *[_APART.format(apart)] * (apart > _MOST_APART)]
+    return raise_or_warn(answer.assign_attrs(remarks=remarks), **care)
+
+
+def _plane_difference(springs: Springs, rows: Array, control: SpaceControl, answer: xr.Dataset) -> float:
+    """Return how far an answer is from springs of the plane in which all rows (n, 5) lie [%]; 0 where they leave one.
+
+    That is the largest difference of (u, rotation L), or of (H, M/L) at given motions, over the largest.
+    """
+
+    def along(table: Array) -> Array:
+        return np.stack([table[:, :2], np.stack([table[:, 3], -table[:, 2]], axis=1)])
+
+    given = along(rows)
+    size = np.maximum(np.abs(given).max(axis=(1, 2), keepdims=True), 1e-300)
+    _, spread, axes = np.linalg.svd((given / size).reshape(-1, 2))
+    if rows[:, 4].any() or spread[1] > STRAIGHT * spread[0]:
+        return 0.0
+    names = SPACE_TURNS if control == "load" else SPACE_LOADS
+    plane = trace(MacroModel.from_springs(springs, MEMORY), control, (given @ axes[0]).T)
+    other = np.stack([plane[name].values for name in (("u", "rotation") if control == "load" else ("H", "M"))])
+    own = along(np.stack([answer[name].values for name in names], axis=1)) @ axes[0]
+    n, length = min(own.shape[1], other.shape[1]), springs.length ** (1.0 if control == "load" else -1.0)
+    own, other = own[:, :n] * [[1.0], [length]], other[:, :n] * [[1.0], [length]]
+    return 100.0 * float(np.hypot(*(own - other)).max(initial=0.0) / max(np.hypot(*other).max(initial=0.0), 1e-300))
 
 
 def response_in_space(springs: Springs | xr.DataTree, springs_kind: str | None = None) -> SpaceResponse:

@@ -493,6 +493,19 @@ def test_columns_that_do_not_go_together_are_refused(tmp_path, lines, words) -> 
     np.testing.assert_allclose(read.targets, [[0, 1e-3, 0, 0, 2e-3], [0, 2e-3, 0, 0, 2e-3]])
 
 
+def test_rows_in_one_plane_have_the_difference_from_its_springs() -> None:
+    """Springs in space that are a tenth softer; the same sequence through the columns of one plane has other loads."""
+    groups = {node.path: node.to_dataset(inherit=False) for node in calibrated().subtree}
+    softer = groups["/memory"]["space_rows"].copy(deep=True)
+    softer[:, 4:7] *= 0.9
+    tree = xr.DataTree.from_dict(groups | {"/memory": groups["/memory"].assign(space_rows=softer)}, name="springs")
+    motions = np.array([[6e-4, 8e-4, -8e-5, 6e-5, 0.0], [-6e-4, -8e-4, 0.0, 0.0, 0.0], [3e-4, 4e-4, 0.0, 0.0, 0.0]])
+    across = motions + np.array([0.0, 0.0, 1e-5, 0.0, 0.0])
+    for rows, words in ((motions, "differ by 10 %"), (across, "held-back paths")):
+        assert words in sequence_in_space(tree, rows, control="state").attrs["remarks"][-1]
+    assert "held-back paths" in sequence_in_space(calibrated(), motions, control="state").attrs["remarks"][-1]
+
+
 def test_lateral_loads_out_of_the_plane_are_extrapolated_as_those_of_a_translation() -> None:
     """By a tenth, where the reactions of all rays are; T and motions stay, and all without an extrapolation."""
     tree = space_paths.springs()

@@ -420,9 +420,9 @@ def test_two_curves_at_one_depth_are_a_layer_boundary(tmp_path):
     assert any("0.01 begins a second curve at 3 m: at a layer boundary write the two curves" in each for each in found)
 
 
-@pytest.mark.parametrize(("first", "kept"), [("0,0,0", [100.0, -100.0]), ("5,0,0", [0.0, 100.0, -100.0])])
-def test_a_first_row_of_zeros_at_0_s_is_the_state_at_rest(tmp_path, first, kept):
+@pytest.mark.parametrize("first", ["0,0,0", "5,0,0"])
+def test_a_first_row_of_zeros_is_the_state_at_rest_and_may_be_at_0_s(tmp_path, first):
     file = write(tmp_path / "a.csv", "time [s],H [kN],M [kNm]", first, "10,100,500", "20,-100,-500")
     found = read_sequence(file)
-    assert found.time is not None and len(found.time) == len(kept)
-    assert (1e-3 * found.targets[:, 0]).tolist() == pytest.approx(kept)
+    assert found.time is not None and found.time.tolist() == [float(first[0]), 10.0, 20.0]
+    assert (1e-3 * found.targets[:, 0]).tolist() == pytest.approx([0.0, 100.0, -100.0])
