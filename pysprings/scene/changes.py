@@ -79,7 +79,7 @@ def applied(data: dict[str, Any], changes: Sequence[Change]) -> list[tuple[str |
 def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
     """Return the keys of a change at a place of the data: entries of lists by their names, or numbers from 1.
 
-    Raises UserInputError: entries with one name, or a name with a dot.
+    Raises UserInputError: the name of one is the number of another.
     """
     keys = list[str]()
     for part in place:
@@ -87,8 +87,8 @@ def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
         if isinstance(part, int):
             names = names_of(data)
             name = names[part]
-            if "." in name or names.count(name) > 1:
-                text = f"the name {quoted(name)} has a dot, or stands twice: give each a name of its own"
+            if names.count(name) > 1:
+                text = f"the name {quoted(name)} is the number of another one: give each a name of its own"
                 raise UserInputError([Problem(key=".".join(keys), message=text)])
         keys.append(name)
         data = data[part]
@@ -96,8 +96,13 @@ def named(data: Any, place: Sequence[str | int]) -> tuple[str, ...]:
 
 
 def names_of(tables: list[Any]) -> list[str]:
-    """Return the names of the entries of a list, as changes have them: numbers from 1 of those without."""
-    return [str(each.get("name", k + 1)) if isinstance(each, dict) else "" for k, each in enumerate(tables)]
+    """Return the names of the entries of a list, as changes have them: numbers from 1 of others.
+
+    A name that stands twice, as those of a sounding through sand, clay and sand do, or that has a dot, is none.
+    """
+    given = [str(each.get("name", "")) if isinstance(each, dict) else "" for each in tables]
+    own = [name if name and "." not in name and given.count(name) == 1 else "" for name in given]
+    return [name or str(k + 1) for k, name in enumerate(own)]
 
 
 def _table(table: Any, key: str, change: Change) -> Any:
@@ -109,8 +114,9 @@ def _table(table: Any, key: str, change: Change) -> Any:
 
 def _entry(tables: list[Any], name: str, change: Change) -> int:
     names = names_of(tables)
-    if names.count(name) > 1:
-        raise _refused(change, f"{names.count(name)} have the name '{name}': give each a name of its own")
+    given = [each.get("name") for each in tables if isinstance(each, dict)]
+    if (count := max(names.count(name), given.count(name))) > 1:
+        raise _refused(change, f"{count} have the name '{name}': give each a name of its own, or take its number")
     if name in names:
         return names.index(name)
     raise _refused(change, f"no '{name}'{suggestion(name, names)}; there are: {', '.join(names) or 'none'}")

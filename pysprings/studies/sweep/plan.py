@@ -204,7 +204,8 @@ def one_at_a_time(scene: SceneText) -> tuple[tuple[Axis, ...], tuple[Case, ...]]
     """
     axes: list[Axis] = []
     for keys, table in scene.ranges:
-        *above, key = (re.sub(r"\W+", "_", each) for each in keys if each not in ("soil", "layer"))
+        left = {"soil"} if any(each.isdigit() for each in keys) else {"soil", "layer"}  # "layer_2" of a number
+        *above, key = (re.sub(r"\W+", "_", each) for each in keys if each not in left)
         name = f"{'_'.join(above)[: 36 - len(key)]}_{key}".lstrip("_0123456789")
         name = f"{name}_{len(axes) + 1}" if name in [each.name for each in axes] else name
         axes.append(Axis(name, (".".join(keys),), ESTIMATES, words=table))

@@ -109,7 +109,7 @@ def test_one_at_a_time_goes_through_the_ranges_of_a_scene(study, tmp_path, estim
     text = RANGED.replace("[soil]\n", f"[soil]\n{estimate}", 1)
     (tmp_path / "ranged.toml").write_text(text, encoding="utf-8")
     plan = study(ONE)
-    names = ["rigidity_ratio", "soft_clay_undrained_shear_strength", "undrained_shear_strength"]
+    names = ["rigidity_ratio", "soft_clay_undrained_shear_strength", "layer_2_undrained_shear_strength"]
     assert [axis.name for axis in plan.axes] == names and not plan.is_grid
     assert [case.values for case in plan.cases] == [
         ("best", "best", "best"), ("low", "best", "best"), ("high", "best", "best"), ("best", "low", "best"),
@@ -124,13 +124,25 @@ def test_one_at_a_time_goes_through_the_ranges_of_a_scene(study, tmp_path, estim
     ("change", "text", "message"),
     [
         (("", ""), ONE + "[[axis]]\n", "one-at-a-time varies the ranges of the scene: no [[axis]]"),
-        (("soft clay", "2"), ONE, "the name \"2\" has a dot, or stands twice"),
+        (("soft clay", "2"), ONE, "the name \"2\" is the number of another one"),
         (("", ""), ONE.replace("ranged", "base"), "no value of the scene has a range { low, best, high }"),
     ],
 )  # fmt: skip
 def test_ranges_that_cannot_be_taken_one_at_a_time(study, tmp_path, change, text, message):
     (tmp_path / "ranged.toml").write_text(RANGED.replace(*change), encoding="utf-8")
     assert any(message in each for _, _, each in refusals(study, text))
+
+
+def test_layers_of_one_name_are_taken_one_at_a_time_by_their_numbers(study, tmp_path):
+    """A sounding through sand, clay and sand names two layers alike."""
+    text = RANGED.replace('top = "4 m"\n', 'top = "4 m"\nname = "soft clay"\n')
+    (tmp_path / "ranged.toml").write_text(text, encoding="utf-8")
+    plan = study(ONE)
+    own = [axis.name for axis in plan.axes[1:]]
+    assert own == ["layer_1_undrained_shear_strength", "layer_2_undrained_shear_strength"]
+    low = plan.scene_of(plan.cases[3]).ground.strata
+    assert low[0].values["undrained_shear_strength"] == 8e3
+    assert low[1].values["undrained_shear_strength"] == 30e3
 
 
 def test_a_table_has_a_scene_key_a_column(study):
