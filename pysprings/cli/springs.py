@@ -29,6 +29,9 @@ def springs(
         Use | None, option("--for", "one set of curves for a beam program, with its error (csv, xlsx)")
     ] = None,
     depths: Annotated[str | None, option("--depths", 'beam: depths, such as "0.5, 1.5, 2.5 m"', "LIST")] = None,
+    pile: Annotated[
+        bool, option("--pile", "beam: p-y of a rigid pile, twice as long as the skirt, that stands for the foundation")
+    ] = False,
     rate: Rate = None,
     as_json: Json = False,
 ) -> None:
@@ -37,7 +40,7 @@ def springs(
     refuse_read("--out", out, None if chosen == "nc" else result)
     if wide and chosen not in ("csv", "wide"):
         refuse("--wide", f"is a form of csv, not of {chosen}")
-    given = {"depths": depths, "rate": None if rate is None else f"{rate!r} m/s"}
+    given = {"depths": depths, "pile": "yes" if pile else None, "rate": None if rate is None else f"{rate!r} m/s"}
     asked = {name: value for name, value in given.items() if value is not None}
     if use is None and asked:
         refuse(f"--{next(iter(asked))}", "is an option of --for beam")

@@ -6,6 +6,9 @@ Force and moment of p about the lid, and the sum of m, are those of the recorded
 with its displacement: what falls or pulls along is cut to the largest curve below it that does not, and the family is
 scaled down where its sum would be above the recorded one. The table states the error of a rigid beam on its straight
 lines on the paths held back, and that of a beam on p(y) alone.
+
+What p(y) of one path cannot follow, springs at virtual depths do: p(y) in strata of a rigid pile twice as long as the
+skirt and one m(rotation) at mudline, fitted to the fan (`uniaxial_sets.on_a_pile`).
 """
 
 import itertools
@@ -25,13 +28,22 @@ from pysprings.core.storage import replacing
 from pysprings.core.text import commented
 from pysprings.core.units import QuantityError, read
 from pysprings.macro.curve_table import Row, stack
+from pysprings.macro.fan import has_fan
 from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.base import Exported, Options, Source, Target, read_options, write_text_file
 from pysprings.results.exporters.csv import csv_text
 from pysprings.results.exporters.formats import BEAM, POINTS
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import table
-from pysprings.results.exporters.uniaxial_sets import FEWEST, Uniaxial, errors_by_role, lateral, with_tables
+from pysprings.results.exporters.uniaxial_sets import (
+    FEWEST,
+    STRATA,
+    Uniaxial,
+    errors_by_role,
+    lateral,
+    on_a_pile,
+    with_tables,
+)
 from pysprings.results.sheets import HEAD, PLAIN_CELLS
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import action, with_moment
@@ -51,6 +63,7 @@ FAMILIES = ("py", "m", "tip", "lid")
 LEAST_CHANGE = 1e-3  # of the largest reaction of a curve: smaller corrections are not listed
 MOST_DEPTHS = 10  # that are listed
 BETWEEN = "straight lines between the points; curves are odd, and end with their range: beyond it nothing was computed"
+LONGER = "less error: --pile, p(y) of a rigid pile twice as long as the skirt that stands for the whole foundation"
 FRAME = "depth down from mudline; y and H along the load; rotation and M positive where the caisson leans towards it"
 UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the slice they are a force and a moment"
 
@@ -190,8 +203,10 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
     """Return the lines above the table, and the table (`COLUMNS`, SI)."""
     if int(options["points"]) < FEWEST:
         raise refused("--option points", f"{options['points']} is not from {FEWEST} to any number")
-    springs, _ = springs_at(source, options)
+    springs, load = springs_at(source, options)
     depths = depths_of(options["depths"], springs.length) if options["depths"] else None
+    if options["pile"] == "yes":
+        return _on_a_pile(source, springs, load, options)
     found, bounds, corrected = rows_of(springs, depths)
     rows = stack([row for row in found if row.r.any()])
     heights = {depth: bottom - top for depth, (top, bottom) in bounds.items()}
@@ -204,9 +219,37 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
         *errors_by_role(springs, with_tables(made, tables), f"all curves of this table beside {beside}"),
     ]
     lines = [line for line in errors if HELD_BACK in line] or errors
-    head = [*lines, *corrected, BETWEEN, *header(source, "curves for beam programs", FRAME, UNITS, at=springs)]
+    head = [*lines, *[LONGER] * has_fan(springs), *corrected, BETWEEN, *_header(source, springs)]
     points = [(each.spring.name, each.spring.depth, *each.within()) for each in tables]
     points += [(row.name, row.depth, row.q[[0, -1]], row.r[[0, -1]]) for row in found if not row.r.any()]
+    return head, _frame(points, bounds)
+
+
+def _header(source: Source, springs: Springs) -> list[str]:
+    return header(source, "curves for beam programs", FRAME, UNITS, at=springs)
+
+
+def _on_a_pile(
+    source: Source, springs: Springs, load: float | None, options: Options
+) -> tuple[list[str], pd.DataFrame]:
+    """Return the lines above the table, and the table, of a rigid pile that stands for the foundation."""
+    if options["depths"]:
+        raise refused("--depths", "the strata of a pile that stands for the foundation have depths of their own")
+    made, length = on_a_pile(springs, load)
+    tables = [table(each, 2 * int(options["points"]) - 1) for each in made.springs if each.odd]
+    errors = errors_by_role(springs, with_tables(made, tables), f"all curves of this table beside {springs.reference}")
+    pile = f"the pile stands for the whole foundation: rigid, {length:g} m long below mudline; m acts at its head"
+    head = [*([line for line in errors if HELD_BACK in line] or errors), pile, BETWEEN, *_header(source, springs)]
+    half, names = 0.5 * length / STRATA, {"lateral": "p", "rotation": "M_lid"}
+    points = [(names[each.spring.direction], each.spring.depth, *each.within()) for each in tables]
+    middles = (half * (2.0 * np.arange(STRATA) + 1.0)).tolist()
+    own = np.array([depth for _, depth, _, _ in points])
+    turn, reach = (max(q[-1] for name, _, q, _ in points if name == each) for each in ("M_lid", "p"))
+    empty = [("p", z) for z in middles if np.abs(own - z).min() > 0.5 * half] + [("m", z) for z in middles]
+    empty += [("H_tip", length), ("M_tip", length), ("H_lid", 0.0)]
+    points += [(name, z, np.array([0.0, turn if name[0] in "mM" else reach]), np.zeros(2)) for name, z in empty]
+    points.sort(key=lambda curve: curve[1])
+    bounds = {depth: [depth - half, depth + half] for _, depth, _, _ in points}
     return head, _frame(points, bounds)
 
 
@@ -256,7 +299,8 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
     ----------
     springs : a fan, with a pure translation and a pure rotation.
     depths : of the curves [m], two or more on the skirt, downwards; None: those of all tables.
-    options : points of a curve (80), V [N] and rate [m/s] of springs at several.
+    options : points of a curve (80), V [N] and rate [m/s] of springs at several; pile="yes": p(y) in strata of a rigid
+        pile twice as long as the skirt, and `rotation_lid`, `M_lid`; they follow the fan.
 
     Returns
     -------
@@ -282,8 +326,10 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
     slices = frame[frame["family"] == "py"].drop_duplicates("depth_m").sort_values("depth_m")
     coords = {name: ("depth", slices[f"{name}_m"].to_numpy()) for name in ("depth", "depth_top", "depth_bottom")}
     found = variables.attach(xr.Dataset(data, coords, {"remarks": head}), "springs_path")
+    known = variables.GROUPS["springs_path"]
     for each in found.variables:  # of tip and lid, top and bottom of slices
-        found[each].attrs = found[each].attrs or {"units": found[str(each).partition("_")[0]].attrs["units"]}
+        unit = known[each if each in known else str(each).partition("_")[0]].attributes()["units"]
+        found[each].attrs = found[each].attrs or {"units": unit}
     for each in ("bounds", "comment"):  # of the slices of a path, which these curves do not have
         del found["depth"].attrs[each]
     return found

@@ -68,6 +68,12 @@ BEAM = Exporter(
     text=_loaded("beam", "text"),
     options=(
         Option("depths", 'depths of the curves, such as "0.5, 1.5, 2.5 m"; those of all tables without', default=""),
+        Option(
+            "pile",
+            "yes: p(y) of a rigid pile twice as long as the skirt, and m(rotation) at its head; they follow the fan",
+            "no",
+            choices=("no", "yes"),
+        ),
         Option("points", "points of a curve", POINTS),
         Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
         RATE,

@@ -21,7 +21,7 @@ from pysprings.core.errors import refused
 from pysprings.core.text import commented
 from pysprings.macro.fan import has_fan
 from pysprings.macro.solver import row_values
-from pysprings.results.exporters.base import RINGS, VIRTUAL, ZONE, Exported, Options, Source, Target
+from pysprings.results.exporters.base import VIRTUAL, ZONE, Exported, Options, Source, Target
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
 from pysprings.results.exporters.uniaxial_sets import (
@@ -29,6 +29,7 @@ from pysprings.results.exporters.uniaxial_sets import (
     change_by_tables,
     errors_by_role,
     no_heave,
+    on_a_pile,
     uniaxial,
     with_tables,
 )
@@ -139,7 +140,6 @@ def _card(*fields: tuple[int, str]) -> str:
 
 FINE = 801
 CM, KN_PER_CM, N_PER_CM2 = 1e-2, 1e5, 1e4  # in SI, kN m/cm as kN/cm; T and Q have the factor 0.001
-STRATA, DEEPEST = 12, 2.0  # of virtual springs; the length of their pile over that of the skirt
 GAP = 1e-6  # m, between strata: rounding
 _FRAME = "pile axis down; depths from the pile head [m]; z of T-Z and Q-Z positive downwards (pile in compression)"
 _UNITS = (
@@ -158,14 +158,14 @@ _PREVIEW = (
 )
 
 
-def _pile(made: Uniaxial, springs: Springs) -> tuple[list[Spring], list[tuple[float, float]], float, str]:
-    """Return lateral springs, one a stratum, top and bottom of the strata, the length of the pile [m], and words."""
-    own = [each for each in made.springs if each.direction == "lateral"]
-    if made.model.spring_set == VIRTUAL:
-        length, height = DEEPEST * springs.length, DEEPEST * springs.length / STRATA
+def _made(springs: Springs, kind: str, V: float | None) -> tuple[Uniaxial, list[Spring], float, str]:
+    """Return the springs, lateral ones by stratum, the length of the pile [m], and words on it."""
+    if kind == VIRTUAL:
+        made, length = on_a_pile(springs, V)
         words = f"the pile stands for the whole foundation: {length:g} m long below mudline, with a very stiff section"
-        bounds = [(each.depth - 0.5 * height, each.depth + 0.5 * height) for each in own]
-        return [replace(each, height=height) for each in own], bounds, length, words
+        return made, [each for each in made.springs if each.direction == "lateral"], length, words
+    made = uniaxial(springs, kind, V, planes=2, slices=ZONE)
+    own = [each for each in made.springs if each.direction == "lateral"]
     strata = [each for each in own if each.height > 0.0]
     if not strata:
         raise refused("springs", f"the set '{made.model.spring_set}' has no p-y springs")
@@ -175,7 +175,7 @@ def _pile(made: Uniaxial, springs: Springs) -> tuple[list[Spring], list[tuple[fl
         strata[k] = _sum(strata[k], end)
     joined = f"; forces of {', '.join(each.name for each in others)} act on the slices beside them" if others else ""
     words = f"the pile is the caisson: give it a very stiff section{joined}"
-    return strata, [_bounds(made, each.depth) for each in strata], springs.length, words
+    return made, strata, springs.length, words
 
 
 def _sum(one: Spring, other: Spring) -> Spring:
@@ -218,10 +218,12 @@ def _stratum(given: Table, bounds: tuple[float, float], unit: float, of_q: float
     return rounded(Stratum(*bounds, given.q[used] / of_q, given.f[used] / unit, odd))
 
 
-def _bounds(made: Uniaxial, depth: float) -> tuple[float, float]:
-    """Return top and bottom [m] of the slice at a depth [m]."""
+def _bounds(made: Uniaxial, spring: Spring) -> tuple[float, float]:
+    """Return top and bottom [m] of the stratum or slice of a spring."""
+    if spring.name == VIRTUAL:
+        return spring.depth - 0.5 * spring.height, spring.depth + 0.5 * spring.height
     edges = made.model.origin["depth_bounds"]
-    k = int(np.argmin(np.abs(made.model.origin.depth - depth)))
+    k = int(np.argmin(np.abs(made.model.origin.depth - spring.depth)))
     return float(edges[k, 0]), float(edges[k, 1])
 
 
@@ -250,28 +252,23 @@ def _texts(source: Source, options: Options) -> tuple[list[str], list[str], Spri
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
     springs, load = springs_at(source, options)
-    chosen = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
-    below = -np.arctan(DEEPEST * (np.arange(STRATA) + 0.5) / STRATA)
-    made = uniaxial(
-        springs, chosen, load, planes=2, slices=RINGS if chosen == VIRTUAL else ZONE,
-        directions=np.append(below, -0.5 * np.pi),
-    )  # fmt: skip
-    strata, bounds, length, about = _pile(made, springs)
+    kind = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
+    made, strata, length, about = _made(springs, kind, load)
     axial, words = _axial_cards(springs, made, options, length)
-    lateral, errors = _lateral_cards(springs, made, options, strata, bounds, length)
+    lateral, errors = _lateral_cards(springs, made, options, strata, length)
     lost = [f"springs '{made.model.spring_set}'", *made.lost, about, *_LOST, no_heave(springs), *words, *errors]
     return [*axial, *lateral], lost, springs
 
 
 def _lateral_cards(
-    springs: Springs, made: Uniaxial, options: Options,
-    strata: list[Spring], bounds: list[tuple[float, float]], length: float,
-) -> tuple[list[str], list[str]]:  # fmt: skip
+    springs: Springs, made: Uniaxial, options: Options, strata: list[Spring], length: float
+) -> tuple[list[str], list[str]]:
     """Return P-Y and M-T cards, and sentences on what they lose, with the errors of the curves as they are written."""
     head, soil, diameter = float(options["head"] or 0.0), str(options["soil"]), 100.0 * springs.diameter
     turning = [each for each in made.springs if each.direction == "rotation"]
     turning = [replace(reduce(_sum, turning), depth=0.0, height=length)] if turning else []
     given = [table(each, 2 * int(options["points"]) - 1) for each in [*strata, *turning]]
+    bounds = [_bounds(made, each) for each in strata]
     held, written = [], []
     for each, ends in zip(given, [*bounds, (0.0, length)], strict=False):
         units = KN_PER_CM * each.spring.height, CM if each.spring.direction == "lateral" else 1.0
@@ -296,7 +293,7 @@ def _axial_cards(springs: Springs, made: Uniaxial, options: Options, length: flo
     thickness = float(springs.attrs["skirt_thickness_m"])
     area = math.pi * (springs.diameter - thickness) * thickness
     around = N_PER_CM2 * math.pi * springs.diameter
-    strata = [_stratum(table(each, points), _bounds(made, each.depth), around) for each in skirt]
+    strata = [_stratum(table(each, points), _bounds(made, each), around) for each in skirt]
     lines = list(cards(TZ, _whole(strata, length, head), soil))
     strata = [_stratum(table(each, points), (head, head + length + 1.0), N_PER_CM2 * area) for each in end]
     return [*lines, *(cards(QZ, strata, soil) if end else ())], list(_axial(made, area))

@@ -54,6 +54,8 @@ STEP = np.radians(5.0)  # between the states of the fit
 HEAVY = 3.0  # weight of the initial stiffness, of which there are few rows
 LEAST = 1e-6  # springs with less than this share of the stiffness are left out
 
+STRATA, DEEPEST = 24, 2.0  # of a pile that stands for the foundation; its length over that of the skirt
+
 # measures of a path, and the words before them
 _CHECKED = {
     "H_error_max_pct": "H", "M_error_max_pct": "M", "rotation_error_max_pct": "rotation",
@@ -178,6 +180,20 @@ def uniaxial(
     own = replace(model.on_rows(together(made, planes)), spring_set=chosen)
     heights = dict(zip(model.origin.depth.tolist(), slice_heights(model.origin.recorded).tolist(), strict=True))
     return Uniaxial(own, made, planes, (*lateral(made, heights), *_vertical(own)), tuple(lost))
+
+
+def on_a_pile(springs: Springs, V: float | None) -> tuple[Uniaxial, float]:
+    """Return the virtual springs of a fan in strata of a rigid pile below mudline, and the length of the pile [m].
+
+    Each lateral spring stands in the middle of its stratum, whose height it has; strata that need none have none. One
+    spring turns against the rotation. V [N] selects the lateral springs of several vertical loads.
+    """
+    middles = -np.arctan(DEEPEST * (np.arange(STRATA) + 0.5) / STRATA)
+    made = uniaxial(springs, VIRTUAL, V, 2, directions=np.append(middles, -0.5 * np.pi))
+    length = DEEPEST * springs.length
+    return replace(made, springs=tuple(
+        replace(each, height=length / STRATA) if each.direction == "lateral" else each for each in made.springs
+    )), length  # fmt: skip
 
 
 def _represent(rows: SpringTable, path: SpringPath) -> tuple[SpringTable, list[str]]:

@@ -18,10 +18,11 @@ from pysprings.full_model.compute import run
 from pysprings.results import exporters
 from pysprings.results.exporters import beam
 from pysprings.results.exporters.base import Source
-from pysprings.springs.checks import extract_springs
+from pysprings.springs.checks import extract_springs, save_springs
 from pysprings.springs.springs import Springs
 from tests.support import tiny
 from tests.support.commands import command
+from tests.support.fans import fan_springs, potential
 from tests.support.synthetic import Path, make_springs
 from tests.support.vertical import vertical_springs
 
@@ -77,6 +78,38 @@ def test_the_stated_error_is_that_of_a_rigid_beam_on_the_straight_lines_of_the_t
             errors.append(100.0 * (loads(own, u, rotation)[0] / H - 1.0))
         stated = float(re.findall(r"H ([-+.\d]+) % \(pull\)", line)[0])
         assert stated == pytest.approx(errors[int(np.argmax(np.abs(errors)))], abs=0.1)
+
+
+def test_a_pile_that_stands_for_the_foundation_follows_the_fan(tmp_path: File) -> None:
+    """Loads of a rigid beam at the states of held-back pulls, and the error that is stated, far below the other's."""
+    tree = fan_springs(potential, held_back=(2.0, 8.0))
+    first = {}
+    for pile in ("no", "yes"):
+        lines = exporters.text(tree, "beam", pile=pile).splitlines()
+        line = next(line for line in lines if line.startswith("# all curves of this table"))
+        first[pile] = max(
+            abs(float(value)) for value in re.findall(r"H ([-+.\d]+) %|u at equal load ([-+.\d]+) %", line)[0] if value
+        )
+        assert any(line.startswith("# less error: --pile") for line in lines) == (pile == "no")
+    assert first["yes"] < min(5.0, 0.5 * first["no"])
+    curves = pd.read_csv(io.StringIO("\n".join(lines)), comment="#")
+    assert curves["depth_bottom_m"].max() <= 8.0 + 1e-9
+    for path in (Springs.of(tree).paths[name] for name in ("pull_2", "pull_8")):
+        exact = np.stack([path["H"], path["M"]], axis=1)[5:]
+        found = np.array([loads(curves, *state) for state in zip(path.u[5:], path.rotation[5:], strict=True)])
+        assert (
+            np.linalg.norm((found - exact) / [1.0, 4.0], axis=1) < 0.05 * np.linalg.norm(exact / [1.0, 4.0], axis=1)
+        ).all()
+    arrays = pysprings.beam(tree, pile="yes")
+    np.testing.assert_allclose(arrays["M_lid"].max(), curves["M_Nm"].max())
+    np.testing.assert_allclose(arrays["depth"], (np.arange(24) + 0.5) / 3.0)  # no stratum is missing
+    save_springs(tree, tmp_path / "fan.nc")
+    done = command("springs", tmp_path / "fan.nc", "--for", "beam", "--pile", "--depths", "1, 2 m")
+    assert done.code == 2 and "--depths: the strata of a pile" in done.err
+    assert command("springs", tmp_path / "fan.nc", "--for", "beam", "--pile", "--out", tmp_path / "pile.csv").code == 0
+    found = command("predict", tmp_path / "pile.csv", "--H", "0.5 MN", "--arm", "2 m", "--json")
+    state = json.loads(found.out)["states"][-1]
+    np.testing.assert_allclose(loads(curves, state["u"], state["rotation"]), [0.5e6, 1.0e6], rtol=1e-3)
 
 
 @pytest.mark.parametrize("depths", ["", DEPTHS])
