@@ -27,7 +27,7 @@
 
 #define ORIGIN 1e-12     /* m: nearer than this the caisson is at rest */
 #define STRAIGHT 1e-3    /* rad: nearer than this to a ray its own range counts */
-#define SLIGHT 0.01      /* share of the mean over directions below which it does not say how far the springs are used */
+#define SLIGHT 0.01      /* share of the mean over directions below which it does not count for how far the springs are used */
 #define WIDEST (PI / 3)  /* rad: rays farther apart do not cover what is between them, as pysprings.macro.fan */
 #define MEAN 8           /* directions of the mean secant stiffness, over half a turn */
 #define BISECTIONS 60
