@@ -37,6 +37,7 @@ from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import table
 from pysprings.results.exporters.uniaxial_sets import (
     FEWEST,
+    OPPOSED,
     STRATA,
     Uniaxial,
     errors_by_role,
@@ -239,7 +240,8 @@ def _on_a_pile(
     tables = [table(each, 2 * int(options["points"]) - 1) for each in made.springs if each.odd]
     errors = errors_by_role(springs, with_tables(made, tables), f"all curves of this table beside {springs.reference}")
     pile = f"the pile stands for the whole foundation: rigid, {length:g} m long below mudline; m acts at its head"
-    head = [*([line for line in errors if HELD_BACK in line] or errors), pile, BETWEEN, *_header(source, springs)]
+    errors = [line for line in errors if HELD_BACK in line] or errors
+    head = [*errors, pile, OPPOSED, BETWEEN, *_header(source, springs)]
     half, names = 0.5 * length / STRATA, {"lateral": "p", "rotation": "M_lid"}
     points = [(names[each.spring.direction], each.spring.depth, *each.within()) for each in tables]
     middles = (half * (2.0 * np.arange(STRATA) + 1.0)).tolist()

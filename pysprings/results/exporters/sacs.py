@@ -25,6 +25,7 @@ from pysprings.results.exporters.base import VIRTUAL, ZONE, Exported, Options, S
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
 from pysprings.results.exporters.uniaxial_sets import (
+    OPPOSED,
     Uniaxial,
     change_by_tables,
     errors_by_role,
@@ -162,7 +163,7 @@ def _made(springs: Springs, kind: str, V: float | None) -> tuple[Uniaxial, list[
     """Return the springs, lateral ones by stratum, the length of the pile [m], and words on it."""
     if kind == VIRTUAL:
         made, length = on_a_pile(springs, V)
-        words = f"the pile stands for the whole foundation: {length:g} m long below mudline, with a very stiff section"
+        words = f"the pile stands for the whole foundation: {length:g} m long, with a very stiff section; {OPPOSED}"
         return made, [each for each in made.springs if each.direction == "lateral"], length, words
     made = uniaxial(springs, kind, V, planes=2, slices=ZONE)
     own = [each for each in made.springs if each.direction == "lateral"]

@@ -55,6 +55,10 @@ HEAVY = 3.0  # weight of the initial stiffness, of which there are few rows
 LEAST = 1e-6  # springs with less than this share of the stiffness are left out
 
 STRATA, DEEPEST = 24, 2.0  # of a pile that stands for the foundation; its length over that of the skirt
+OPPOSED = (
+    "where M acts against H this pile moves too little: in the default scene u by 71 and 78 % under loads 5 and 8 m "
+    "below mudline"
+)
 
 # measures of a path, and the words before them
 _CHECKED = {
