@@ -246,7 +246,7 @@ def _on_a_pile(
     points = [(names[each.spring.direction], each.spring.depth, *each.within()) for each in tables]
     middles = (half * (2.0 * np.arange(STRATA) + 1.0)).tolist()
     own = np.array([depth for _, depth, _, _ in points])
-    turn, reach = (max(q[-1] for name, _, q, _ in points if name == each) for each in ("M_lid", "p"))
+    turn, reach = (max((q[-1] for name, _, q, _ in points if name == each), default=1.0) for each in ("M_lid", "p"))
     empty = [("p", z) for z in middles if np.abs(own - z).min() > 0.5 * half] + [("m", z) for z in middles]
     empty += [("H_tip", length), ("M_tip", length), ("H_lid", 0.0)]
     points += [(name, z, np.array([0.0, turn if name[0] in "mM" else reach]), np.zeros(2)) for name, z in empty]
