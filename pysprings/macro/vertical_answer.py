@@ -100,9 +100,8 @@ def vertical_answer(
         notes = [note if follows else f"{note}, lateral springs unchanged" for note in notes]
         notes += response.lacks_notes(down, moved) if follows else []
         past, beyond = past_elastic(model, down, other)
-        lacking = moved if follows else far | moved
         return Down(
-            marks | {"w": w + (down - V) / K, "off_load": lacking.astype(np.int8)},
+            marks | {"w": w + (down - V) / K, "off_load": (moved if follows else far | moved).astype(np.int8)},
             used=np.where(past, np.inf, 0.0),
             notes=notes,
             beyond=beyond,

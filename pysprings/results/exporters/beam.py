@@ -64,7 +64,7 @@ FAMILIES = ("py", "m", "tip", "lid")
 LEAST_CHANGE = 1e-3  # of the largest reaction of a curve: smaller corrections are not listed
 MOST_DEPTHS = 10  # that are listed
 BETWEEN = "straight lines between the points; curves are odd, and end with their range: beyond it nothing was computed"
-LONGER = "less error: --pile, p(y) of a rigid pile twice as long as the skirt that stands for the whole foundation"
+LONGER = "--pile: p(y) of a rigid pile twice as long as the skirt, fitted to the fan, with its own error"
 FRAME = "depth down from mudline; y and H along the load; rotation and M positive where the caisson leans towards it"
 UNITS = "m, rad, N, N m; p and m per metre of depth: times the height of the slice they are a force and a moment"
 

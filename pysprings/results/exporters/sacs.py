@@ -163,7 +163,7 @@ def _made(springs: Springs, kind: str, V: float | None) -> tuple[Uniaxial, list[
     """Return the springs, lateral ones by stratum, the length of the pile [m], and words on it."""
     if kind == VIRTUAL:
         made, length = on_a_pile(springs, V)
-        words = f"the pile stands for the whole foundation: {length:g} m long, with a very stiff section; {OPPOSED}"
+        words = f"the pile stands for the whole foundation: {length:g} m below mudline, very stiff; {OPPOSED}"
         return made, [each for each in made.springs if each.direction == "lateral"], length, words
     made = uniaxial(springs, kind, V, planes=2, slices=ZONE)
     own = [each for each in made.springs if each.direction == "lateral"]

@@ -90,7 +90,7 @@ def test_a_pile_that_stands_for_the_foundation_follows_the_fan(tmp_path: File) -
         first[pile] = max(
             abs(float(value)) for value in re.findall(r"H ([-+.\d]+) %|u at equal load ([-+.\d]+) %", line)[0] if value
         )
-        assert any(line.startswith("# less error: --pile") for line in lines) == (pile == "no")
+        assert any(line.startswith("# --pile: p(y) of a rigid pile") for line in lines) == (pile == "no")
     assert first["yes"] < min(5.0, 0.5 * first["no"])
     assert any("not for loads near the depth of the tip" in line for line in lines)
     curves = pd.read_csv(io.StringIO("\n".join(lines)), comment="#")
