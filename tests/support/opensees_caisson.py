@@ -80,7 +80,7 @@ def main() -> int:
         ops.constraints(*task["constraints"])
         ops.numberer("Plain")
         ops.system(task["system"])
-        ops.test("NormDispIncr", 1e-13, 100)
+        ops.test(*task["test"], 100)
         ops.algorithm("Newton")
         ops.integrator("LoadControl", 1.0 / task["steps"])
         ops.analysis("Static")
