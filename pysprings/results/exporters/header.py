@@ -39,7 +39,7 @@ def springs_at(source: Source, options: Options) -> tuple[Springs, float | None]
 
 
 _ERRORS = {
-    "H_error_max_pct": "load", "rotation_error_max_pct": "rotation", "M_error_max_pct": "moment",
+    "H_error_max_pct": "load", "rotation_error_max_pct": "rotation at equal displacement", "M_error_max_pct": "moment",
     "u_error_max_pct": "displacement at equal load", "u_error_half_pct": "that up to half of the largest load",
     "V_error_max_pct": "vertical load", "T_error_max_pct": "T/R over the largest load",
 }  # fmt: skip

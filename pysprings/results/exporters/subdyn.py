@@ -33,13 +33,14 @@ _HEAD = (
     f"H and M on the path ('-': below {100 * SMALL:g} % of the other load):"
 )
 AT_REST = (
-    "linear: stiffness at rest, which the caisson has at no load; beside it secants of the springs, and its errors"
+    "linear: stiffness at rest, before any load, the dead load too; beside it secants of the springs, and its errors"
 )
 _UP = (1.0, 1.0, -1.0, 1.0, 1.0, 1.0)  # z of the programs over w, which is down
 # of the option at: unit, and an example
 LOADS = {"H": ("N", "2 MN"), "M": ("N m", "40 MN m"), "V": ("N", "2 MN"), "arm": ("m", "60 m")}
 _SECANTS = (
-    "stiffness at rest, and the secant of the springs at 10 and 50 % of the range of paths [MN/m, MN/rad, MN m/rad]:"
+    "stiffness at rest (before the dead load, not extrapolated), of the springs at rest under it, and their secants "
+    "at 10 and 50 % of the range of paths [MN/m, MN/rad, MN m/rad]:"
 )
 _SECANT_COLUMNS = ("state", "|u| [mm]", "|rotation| [mrad]", "Kxx", "Kxty", "Ktyty")
 _COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
@@ -124,12 +125,16 @@ def secants(springs: Springs) -> list[str]:
     """Return the lines of a table: stiffness at rest, then the secants at 10 and 50 % of the range of lateral paths.
 
     The secant is that of the springs that predict, at recorded states of the paths with a free head (of all lateral
-    ones where there is none), in the frame and the words of the matrix.
+    ones where there is none), in the frame and the words of the matrix. Springs at rest are those of the first path:
+    under the dead load, and on extrapolated reactions.
     """
     lateral = [path for path in springs.paths.values() if not path.is_vertical]
     rows = [("at rest", "", "", *_entries(at_lid(springs)[np.ix_([0, 4], [0, 4])]))]
     for path in [each for each in lateral if has_free_head(each.attrs)] or lateral:
         model = MacroModel.from_springs(springs.answering(path))
+        if len(rows) == 1:
+            K = model.tangent_stiffness().values[np.ix_([0, -1], [0, -1])]
+            rows.append(("springs at rest", "", "", *_entries(0.5 * (K + K.T))))
         motion = np.stack([path.u, path.rotation])
         for share, step in zip(SHARES[:2], _steps(motion, springs.length), strict=False):
             matrix = secant(model, float(path.u[step]), float(path.rotation[step]), symmetric=True)

@@ -64,7 +64,7 @@ OPPOSED = (
 
 # measures of a path, and the words before them
 _CHECKED = {
-    "H_error_max_pct": "H", "M_error_max_pct": "M", "rotation_error_max_pct": "rotation",
+    "H_error_max_pct": "H", "M_error_max_pct": "M", "rotation_error_max_pct": "rotation at equal u",
     "u_error_max_pct": "u at equal load", "u_error_half_pct": "u up to half of the largest load",
 }  # fmt: skip
 

@@ -171,6 +171,9 @@ def test_the_secants_beside_a_matrix_carry_the_recorded_loads(
     size, loads = (np.abs(path[key].values) for key in (motion, load))
     rows = [line.split() for line in secants(Springs.of(source.springs))[3:]]
     assert rows[0][-3] == f"{1e-6 * float(source.springs['stiffness_initial'][0, 0]):.4g}"
+    K = MacroModel.from_springs(source.springs).tangent_stiffness().values
+    own = (K[0, 0], 0.5 * (K[0, 2] + K[2, 0]), K[2, 2])
+    assert rows[1] == ["springs", "at", "rest", *(f"{1e-6 * value:.4g}" for value in own)]
     shown = {row[1]: row for row in rows if row[0] == f"{name},"}
     assert list(shown) == ["10", "50"]
     for share, row in shown.items():
