@@ -13,7 +13,7 @@ from typing import Any, Literal
 Dof = Literal["u", "w", "rotation"]
 MOTIONS = ("u_x", "u_y", "w", "rot_x", "rot_y", "rot_z")
 LOADS = ("H_x", "H_y", "V", "M_x", "M_y", "T")
-VERTICAL = "vertical"
+VERTICAL, TWIST = "vertical", "twist"
 # keys of a scene that hold an imposed quantity, and the unit in which messages show it
 UNITS = {
     "lateral_displacement": "mm",

@@ -16,7 +16,7 @@ from pysprings.core import variables
 from pysprings.core.arguments import check_arrays, check_rows
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
-from pysprings.core.path_kinds import HELD_BACK
+from pysprings.core.path_kinds import HELD_BACK, TWIST
 from pysprings.macro.answer import Care, raise_or_warn, trace
 from pysprings.macro.model import MacroModel
 from pysprings.macro.spring_sets import SPRING_SETS
@@ -26,7 +26,7 @@ from pysprings.springs.springs import Springs
 from pysprings.springs.tip_zone import ZONE
 
 SpaceControl = Literal["load", "state"]
-MEMORY, TWIST = "memory", "twist"  # the spring set that answers; the kind of path that calibrates its torsion
+MEMORY = "memory"  # the spring set that answers
 _PARTS = np.array([[1.0, 1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.0]])  # of motions: all but the twist, and that
 TWISTED = 0.01  # lateral loads below this share of the torsion are none
 _FROM = "paths out of one plane"

@@ -157,6 +157,9 @@ class Springs:
     @property
     def reference(self) -> str:
         """Words for what the paths are recorded from."""
+        if self.blended_loads is not None:
+            low, high = (1e-3 * V for V in self.blended_loads)
+            return f"the paths between those at V = {low:.6g} and {high:.6g} kN (no full model)"
         return f"the rays of the {self.attrs['source']}" if self.of_atlas else "the full model"
 
     @property

@@ -11,7 +11,7 @@ import pandas as pd
 
 from pysprings.core.errors import refused
 from pysprings.core.loads import close_loads, same_load
-from pysprings.core.path_kinds import HELD_BACK, MEMORY, VERTICAL
+from pysprings.core.path_kinds import HELD_BACK, MEMORY, TWIST, VERTICAL
 from pysprings.core.text import percent
 from pysprings.core.version import __version__
 from pysprings.results.exporters.base import Options, Source
@@ -56,11 +56,18 @@ _STEEL = (
 BACKBONE = "monotonic backbone of a nonlinear response, not cyclic"
 
 
-def torsion_words(stiffness: float | None) -> str:
+def torsion_words(stiffness: float | None, springs: Springs) -> str:
     """Return a sentence on torsion, for the stiffness of the full model at rest; None: not known."""
     if stiffness is None:
         return "torsion is not known, no full model has computed it: rotation about z is free"
-    return "torsion is linear, with the stiffness of the full model at rest: friction is not in it"
+    words = "torsion is linear, with the stiffness of the full model at rest: friction is not in it"
+    for path in springs.space.values():
+        if path.kind == TWIST:
+            turn, T = (each[:, -1] for each in (path.turns(), path.pushes()))
+            k = int(np.abs(turn).argmax())
+            sizes = f"{1e-6 * stiffness * turn[k]:.4g} MN m, {1e-6 * T[k]:.4g} in the full model"
+            words += f"; at {1e3 * turn[k]:.3g} mrad (path {path.name}) T is {sizes}"
+    return words
 
 
 def header(

@@ -38,7 +38,7 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
     elements, torsion = model.response.element_rows, known_torsion(model.attrs)
     lost = [*_LOST[kind], *[_OTHER] * (kind == "fan" and MEMORY.name in spring_sets(at)), *model.response.plane_notes()]
     lost += [SpaceAnswers.of(at).errors] if elements.in_space else []
-    lost += [*([] if elements.twists else [torsion_words(torsion)]), _READ]
+    lost += [*([] if elements.twists else [torsion_words(torsion, at)]), _READ]
     use = _CYCLES if len(elements.rows) else BACKBONE
     head = [*header(source, "OpenFAST nonlinear foundation", FRAME, "m, rad, N, N m", use, at, kind), *lost, FREE_BASE]
     head += [f"fan of {len(at.rays)} rays; displacement 0: at rest under {1e-3 * model.rest_load:.6g} kN"]

@@ -503,7 +503,7 @@ def prepare(source: Source, given: Options, target: str, frame: str) -> Prepared
     rows = tables(made, points)
     torsion, first = known_torsion(springs.attrs), float(given["azimuth"] or 0.0)
     lost = [f"springs '{made.model.spring_set}'", *made.lost, ELASTIC, NOT_ODD, no_heave(springs)]
-    lost += [other_planes(springs, made), BEHIND, torsion_words(torsion)]
+    lost += [other_planes(springs, made), BEHIND, torsion_words(torsion, springs)]
     lost += [
         f"tables of at most {points} points: {100.0 * max(row.error for row in rows):.2g} % from the curves at most",
         change_by_tables(springs, made.model, with_tables(made, rows)),

@@ -17,6 +17,7 @@ from pysprings.core.errors import UserInputError
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict
 from pysprings.results.exporters import Source, export
+from pysprings.results.exporters.header import torsion_words
 from pysprings.results.exporters.uniaxial_curve import Spring, table
 from pysprings.results.exporters.uniaxial_sets import (
     Uniaxial,
@@ -28,7 +29,7 @@ from pysprings.results.exporters.uniaxial_sets import (
     with_tables,
 )
 from pysprings.springs.springs import Springs
-from tests.support import fans, synthetic
+from tests.support import fans, space_paths, synthetic
 from tests.support.in_opensees import answer_of
 from tests.support.vertical import fan_with_vertical, vertical_springs
 
@@ -249,6 +250,15 @@ def check(found: np.ndarray, expected: np.ndarray, error: float) -> None:
     """Compare u and rotation; w, of one curve whose table is not helped by others, to twice the error."""
     np.testing.assert_allclose(found[:, :2], expected[:, :2], rtol=error)
     np.testing.assert_allclose(found[:, 2], expected[:, 2], rtol=2.0 * error, atol=1e-12)
+
+
+def test_linear_torsion_stands_beside_that_of_a_twist() -> None:
+    """Winkler springs of the outside law yield along it."""
+    springs = Springs.of(space_paths.springs(True))
+    words = torsion_words(space_paths.TORSION, springs)
+    turn, twist = (float(springs.space["twist"][name][-1]) for name in ("rot_z", "T"))
+    assert f"T is {1e-6 * space_paths.TORSION * turn:.4g} MN m, {1e-6 * twist:.4g} in the full model" in words
+    assert 0.0 < twist < 0.9 * space_paths.TORSION * turn
 
 
 # --- OpenSees ---

@@ -66,6 +66,7 @@ def test_derived_springs_are_made_once() -> None:
     assert Springs.of(springs) is springs
     between = springs.at(V=3e6)
     assert between.blended_loads == (REST, 6e6) and between.at(V=5e6) is between
+    assert between.reference.endswith("and 6000 kN (no full model)")
     path = springs.paths["slide_6"]
     assert springs.answering(path) is springs.answering(path)
 
