@@ -16,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-import matplotlib.pyplot as plt
+from pysprings import open_springs
 
 work = Path(tempfile.mkdtemp())
 scene = """
@@ -55,13 +55,10 @@ def pysprings(*words):
     return done.stdout
 
 
-pysprings("run", "turns.toml", "--out", "turns", "--no-estimate-error", "--figures", "all")
+pysprings("run", "turns.toml", "--out", "turns", "--no-estimate-error", "--figures", "none")
 errors = pysprings("compare", "turns", "--cycles")
 print(errors[: errors.index("\n\n")])
 
 # %%
-# The picture of the run: loops of the full model, of the fan and of the springs with memory.
-picture = next((work / "turns" / "figures").rglob("turns_loops*.png"))
-figure, axes = plt.subplots(figsize=(9.0, 5.0), layout="constrained")
-axes.imshow(plt.imread(picture))
-axes.axis("off")
+# Loops of the full model, of the fan and of the springs with memory.
+figure = open_springs(work / "turns" / "springs.nc").pysprings.plot.loops("turns")

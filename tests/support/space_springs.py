@@ -17,15 +17,19 @@ from tests.support import space_paths
 from tests.support.winkler import REACH, mixed
 
 
-def planar(table, springs):
-    """Planar elements of the Winkler springs, from perfectly plastic candidates alone: quick to calibrate."""
-    sizes = np.geomspace(2e-3, 1.0, 7) * REACH
+def few(reach):
+    """Perfectly plastic candidates alone, quick to calibrate, for rays of a reach [m]."""
+    sizes = np.geomspace(2e-3, 1.0, 7) * reach
     angles = np.arange(9) * np.pi / 9
-    plastic = np.array([[a, g, d, 0.0, REACH] for a in angles for g in (0.1, 0.3) for d in sizes])
-    none = [np.zeros((0, n)) for n in (3, 4, 3)]
+    plastic = np.array([[a, g, d, 0.0, reach] for a in angles for g in (0.1, 0.3) for d in sizes])
+    return Candidates(plastic, *[np.zeros((0, n)) for n in (3, 4, 3)])
+
+
+def planar(table, springs):
+    """Planar elements of the Winkler springs from `few` candidates."""
     scale = np.array([1.0, springs.length])
     stiffness = springs.lateral_stiffness / scale / scale[:, None]
-    return calibrate(samples(springs, table), table, stiffness, Candidates(plastic, *none))
+    return calibrate(samples(springs, table), table, stiffness, few(REACH))
 
 
 @cache

@@ -96,6 +96,7 @@ LONG: dict[str, Rows] = {
 # Many increments in clay: up to a few minutes each
 LONGEST: dict[str, Rows] = (
     {"circle on clay, three meshes": clay.circle_order_rows, "disc turns on clay under V": clay.disc_moment_rows}
+    | {"caisson with water, what takes stiffness away": caisson_water.share_rows}
     | {
         f"{clay.caisson_name(*caisson)}, {load}": partial(clay.caisson_case, *caisson, load)
         for caisson, loads in clay.CAISSONS.items()

@@ -48,16 +48,8 @@ def failing(error: BaseException) -> Callable[[], None]:
         (MeshError("inverted element 7"), 2, "fatal: user input: mesh: inverted element 7\n"),
         (ResourceError("pardiso is not installed"), 4, "fatal: resources: pardiso is not installed\n"),
         (KeyboardInterrupt(), 130, "interrupted\n"),
-        (
-            MemoryError(),
-            4,
-            "fatal: resources: out of memory; try a smaller mesh (`pysprings check` estimates)\n",
-        ),
-        (
-            OSError(28, "No space left on device", "x.nc"),
-            4,
-            "fatal: resources: x.nc: No space left on device\n",
-        ),
+        (MemoryError(), 4, "fatal: resources: out of memory; try a smaller mesh (`pysprings check` estimates)\n"),
+        (OSError(28, "No space left on device", "x.nc"), 4, "fatal: resources: x.nc: No space left on device\n"),
         (
             ZeroDivisionError("a\nb"),
             1,

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What the program says to misuses: none is answered with a wrong number and without a word."""
 
-import os
 import re
 import shlex
 import warnings
@@ -9,22 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.commands import Result, command
+from tests.support.commands import command
 from tests.support.misuses import LOST, MISUSES, REFUSED, Misuse, write_files
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
-    """What the program says to each misuse."""
-    folder, before = tmp_path_factory.mktemp("misuses"), Path.cwd()
-    write_files(folder)
-    os.chdir(folder)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("default")
-            return {each.command: command(*shlex.split(each.command)) for each in MISUSES}
-    finally:
-        os.chdir(before)
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files of the misuses."""
+    made = tmp_path_factory.mktemp("misuses")
+    write_files(made)
+    return made
 
 
 def test_there_are_enough() -> None:
@@ -33,8 +26,11 @@ def test_there_are_enough() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("misuse", MISUSES, ids=lambda each: f"{each.what}: {each.command}")
-def test_none_is_answered_without_a_word(misuse: Misuse, said: dict[str, Result]) -> None:
-    done = said[misuse.command]
+def test_none_is_answered_without_a_word(misuse: Misuse, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        done = command(*shlex.split(misuse.command))
     assert (done.code, bool(re.search(misuse.says, done.err))) == (misuse.code, True), done.err
     lines = done.err.splitlines()
     if misuse.code in (REFUSED, LOST):

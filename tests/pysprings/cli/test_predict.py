@@ -81,24 +81,15 @@ def test_a_table_for_people(capsys: pytest.CaptureFixture[str]) -> None:
         ),
         (
             ["--H", "5 mN", "--M", "-20 mN m"],
-            [
-                '--H: "5 mN" is 0.005 N: m is milli, M is mega',
-                '--M: "-20 mN m" is -0.02 N m: m is milli, M is mega',
-            ],
+            ['--H: "5 mN" is 0.005 N: m is milli, M is mega', '--M: "-20 mN m" is -0.02 N m: m is milli, M is mega'],
         ),
         (["--H", "2 MN", "--M", "3 MN"], ['--M: "3 MN" is a force; expected a moment such as "3 MN m"']),
         (
             ["--H", "2 MN", "--u-max", "5 mm"],
             ["--u-max: give either --H or --u-max: the load is an answer of the curve"],
         ),
-        (
-            ["--H", "2 MN", "--arm", "1 m", "--M", "1 MN m"],
-            ["--M: give either --arm or --M, not both (M = H*arm)"],
-        ),
-        (
-            ["--u-max", "5 mm", "--M", "1 MN m"],
-            ["--M: a curve needs the height of the load: give --arm instead"],
-        ),
+        (["--H", "2 MN", "--arm", "1 m", "--M", "1 MN m"], ["--M: give either --arm or --M, not both (M = H*arm)"]),
+        (["--u-max", "5 mm", "--M", "1 MN m"], ["--M: a curve needs the height of the load: give --arm instead"]),
         (["--u", "1 mm", "--H", "1 MN"], ["--u: give either this or --H: a load is the answer to a motion"]),
         (
             ["--u", "1 mm", "--rotation", "1 mrad", "--M", "1 MN m"],
@@ -189,10 +180,7 @@ def test_fan_is_the_default_where_there_is_one(springs_file: Path) -> None:
     assert (none.code, len(none.err.splitlines())) == (2, 1)
     assert "a fan needs at least 2 calibration paths" in none.err
     there = command("compare", springs_file, "--springs", "fan")
-    assert (there.code, there.err) == (
-        2,
-        "fatal: user input: --springs: no springs 'fan' here; there are: py, full\n",
-    )
+    assert (there.code, there.err) == (2, "fatal: user input: --springs: no springs 'fan' here; there are: py, full\n")
 
 
 def test_predict_beyond_the_springs_warns(springs_file: Path) -> None:

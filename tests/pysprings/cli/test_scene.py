@@ -55,15 +55,9 @@ def test_init_never_overwrites_without_force() -> None:
 @pytest.mark.parametrize(
     ("args", "message"),
     [
-        (
-            ["--template", "paper-draind"],
-            "--template: no template 'paper-draind' (did you mean 'paper-drained'?)",
-        ),
+        (["--template", "paper-draind"], "--template: no template 'paper-draind' (did you mean 'paper-drained'?)"),
         (["--template", "x"], f"--template: no template 'x' (there is: {', '.join(template_names())})"),
-        (
-            ["pysprings.schema.json"],
-            "pysprings.schema.json: is the name of the schema; choose another for the scene",
-        ),
+        (["pysprings.schema.json"], "pysprings.schema.json: is the name of the schema; choose another for the scene"),
         (["file/x.toml"], "file: cannot be written (File exists)"),
     ],
 )

@@ -122,22 +122,7 @@ def test_hostile_texts_end_in_a_number_or_a_message(text: str) -> None:
             assert str(error).isprintable()
 
 
-UNITS = (
-    "m",
-    "mm",
-    "MPa",
-    "kPa",
-    "GPa",
-    "kN/m^3",
-    "N/m^3",
-    "mm/s",
-    "m/s",
-    "deg",
-    "MN",
-    "m/(Pa s)",
-    "rad",
-    "N",
-)
+UNITS = ("m", "mm", "MPa", "kPa", "GPa", "kN/m^3", "N/m^3", "mm/s", "m/s", "deg", "MN", "m/(Pa s)", "rad", "N")
 
 
 @settings(deadline=None)

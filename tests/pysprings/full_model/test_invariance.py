@@ -79,12 +79,11 @@ def path_of(mode: str) -> xr.Dataset:
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:layer 'soil'. effective unit weight")  # of other units
-@pytest.mark.parametrize("mode", ["drained", "coupled"])
 @pytest.mark.parametrize(
-    ("force", "length", "time"),
-    [(2.0, 1.0, 1.0), (0.3, 1.0, 1.0), (1.0, 0.75, 1.0), (16.0, 4.0, 1.0), (1.0, 1.0, 30.0), (3.0, 1.7, 0.2)],
-    ids=["forces", "small forces", "smaller", "four times larger", "slower", "everything"],
-)
+    ("mode", "force", "length", "time"),
+    [("drained", 0.3, 1.0, 1.0), ("drained", 16.0, 4.0, 1.0), ("drained", 3.0, 1.7, 0.2),
+     ("coupled", 0.3, 1.0, 1.0), ("coupled", 1.0, 1.0, 30.0), ("coupled", 3.0, 1.7, 0.2)],
+)  # fmt: skip
 def test_other_units_and_another_size_give_the_same_answer(mode: str, force: float, length: float, time: float) -> None:
     other = run(scaled(scene(mode), force, length, time))["paths/pull"]
     mine = path_of(mode)

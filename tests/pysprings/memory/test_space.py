@@ -19,19 +19,10 @@ from pysprings.macro.comparison_text import SPACE_NOTE, to_text
 from pysprings.macro.fan import build_fan
 from pysprings.macro.predict import sequence
 from pysprings.macro.space import compare_in_space, sequence_in_space
-from pysprings.memory import build
+from pysprings.memory import build, calibration
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import MOST_NUMBERS, way_of
-from pysprings.memory.elements import (
-    PLASTIC,
-    PLATES,
-    REVERSIBLE,
-    SPACE,
-    SPACE_STATES,
-    STATES,
-    advance,
-    tangents,
-)
+from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE, SPACE, SPACE_STATES, STATES, advance, tangents
 from pysprings.memory.offered import AZIMUTHS, Offered, in_space, numbers_in_space, numbers_of, offered
 from pysprings.memory.shares import samples
 from pysprings.memory.space import calibrate_in_space, torsion_elements, way_out
@@ -43,7 +34,7 @@ from pysprings.springs.springs import Springs
 from tests.support import space_paths
 from tests.support.commands import command
 from tests.support.space_paths import RADIUS, elbow
-from tests.support.space_springs import calibrated, elements, planar
+from tests.support.space_springs import calibrated, elements, few, planar
 from tests.support.winkler import REACH, mixed
 
 LENGTH = space_paths.LENGTH
@@ -254,6 +245,13 @@ def test_a_load_along_y_leans_towards_y_in_the_axes_of_the_field() -> None:
     assert float(along["u_x"][0]) == pytest.approx(float(high["u_y"][0]), rel=0.02)
 
 
+@pytest.fixture
+def few_offered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Springs without stored elements, or with those of other paths, are calibrated with few candidates."""
+    monkeypatch.setattr(calibration, "candidates", few)
+
+
+@pytest.mark.usefixtures("few_offered")
 def test_what_the_springs_do_not_cover_is_marked_or_refused() -> None:
     far = [[1.5 * space_paths.REACH, 0.0, 0.0, 0.0, 0.0]]
     with pytest.raises(BeyondSprings, match=r"beyond the range .* 1.5 times"):
@@ -337,6 +335,7 @@ def test_a_damaged_path_out_of_the_plane_is_refused(tmp_path) -> None:
             save_springs(type(tree).from_dict(groups, name=tree.name), tmp_path / f"{name}.nc")
 
 
+@pytest.mark.usefixtures("few_offered")
 def test_paths_of_another_vertical_load_or_partial_ones_do_not_calibrate() -> None:
     """A circle under another V than that of the rays is left out."""
     tree = calibrated().copy(deep=True)

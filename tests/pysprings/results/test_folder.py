@@ -25,6 +25,7 @@ from pysprings.core.text import with_prefix
 from pysprings.full_model import work
 from pysprings.macro.comparison import Comparison, compare
 from pysprings.macro.predict import predict
+from pysprings.memory import calibration
 from pysprings.model import build
 from pysprings.results import plots
 from pysprings.results.exporters.csv import read_comparison, write_frame
@@ -34,10 +35,12 @@ from pysprings.scene.load import load_scene
 from pysprings.scene.template import template_names, template_text
 from pysprings.springs.checks import open_springs
 from pysprings.springs.path import SpringPath
+from pysprings.springs.springs import Springs
 from tests.support import tiny
 from tests.support.commands import command, environment
 from tests.support.files import contents, read_record, read_report
 from tests.support.place import SCENES
+from tests.support.space_springs import few
 
 # the public contract, word by word
 LOAD_DISPLACEMENT = (
@@ -419,20 +422,29 @@ def test_templates_are_valid(name: str) -> None:
     assert tiny.parsed(template_text(name)).load_paths
 
 
+# what takes a minute each: an estimate of many runs, springs with memory beside those of `space-clay-gap`
+NO_ESTIMATE, NO_MEMORY = {"dunkirk-pile", "fan"}, {"space-dense-sand", "space-sand", "space-soft-clay"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*(file.stem for file in SCENES), *template_names()])
-def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -> None:
-    """A twentieth of each path in two steps: every option of the scene is used."""
+def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A twentieth of each path in two steps: every option of the scene is used. Few elements are offered to springs."""
+    monkeypatch.setattr(calibration, "candidates", few)
     scene = _scene(name)
     small = {
         "mesh": {"refinement": 0.4},
         "output": {"figures": False},
-        "paths": [_short(path) for path in scene.load_paths],
+        "paths": [_short(path) for path in scene.load_paths if path.role != "memory" or name not in NO_MEMORY],
     }
-    few = {"first_step_fraction": 0.5, "max_step_fraction": 0.5}
-    run_to_folder(scene.replace(**small, solver=few), tmp_path)
+    small["solver"] = {"first_step_fraction": 0.5, "max_step_fraction": 0.5}
+    run_to_folder(scene.replace(**small), tmp_path, estimate_error=False if name in NO_ESTIMATE else None)
     assert read_record(tmp_path)["status"] == "complete"
     assert set(contents(tmp_path)) == set(run_files())
+    if scene.springs.memory and name not in NO_MEMORY:
+        assert Springs.of(open_springs(tmp_path / "springs.nc")).memory is not None
+        compared = command("compare", tmp_path, "--cycles", "--springs", "memory")
+        assert compared.code == 0 and "_reversed " in compared.out, compared.err
 
 
 def _scene(name: str) -> Any:
@@ -446,7 +458,7 @@ def _short(path: Any) -> dict[str, Any]:
     return {key: 0.05 * value if key in imposed else value for key, value in values.items()}
 
 
-BRIEF = {"elastic-check", "service-load", "soft-clay"}  # a minute; the others take many, and gigabytes
+BRIEF = {"elastic-check", "service-load"}  # others take minutes and gigabytes, or are in full_model/test_clay.py
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""The picture of a path that turns back, and a whole run that makes springs with memory."""
+"""The picture of a path that turns back."""
 
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from pysprings.macro.comparison import curves
 from pysprings.results.plots.comparison import LOOPS
 from pysprings.results.plots.picture import View
-from pysprings.springs.checks import open_springs
 from pysprings.springs.springs import Springs
-from tests.support import tiny, winkler
-from tests.support.commands import command
+from tests.support import winkler
 
 
 def view(name: str) -> View:
@@ -68,19 +65,3 @@ def test_a_path_without_a_closed_cycle_has_no_damping() -> None:
 def test_loops_are_drawn_where_a_path_turns_back_and_springs_remember() -> None:
     assert not LOOPS.applies(replace(view("turning_0"), predictions={}))
     assert not LOOPS.applies(view("ray_0"))
-
-
-@pytest.mark.slow
-def test_a_run_with_memory_stores_it_and_compares_it(tmp_path) -> None:
-    paths = {"name": "loop", "kind": "pull", "lateral_displacement": 2e-4, "arm": 2.0, "role": "held-back",
-             "then": ("-0.2 mm", "0.2 mm")}  # fmt: skip
-    scene = tiny.scene(springs={"reach": 1e-3, "memory": True, "held_back": False}, paths=(paths,))
-    tiny.write(scene, tmp_path / "scene.toml")
-    done = command("run", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "run"))
-    assert done.code == 0, done.err
-    assert Springs.of(open_springs(tmp_path / "run" / "springs.nc")).memory is not None
-    found = command("compare", str(tmp_path / "run"), "--cycles", "--springs", "memory")
-    assert found.code == 0 and "loop " in found.out and "ray_50_reversed" in found.out
-    (tmp_path / "loads.csv").write_text("u_mm,rotation_mrad\n0.1,0\n-0.1,0\n0.0,0\n")
-    asked = command("predict", str(tmp_path / "run"), "--sequence", str(tmp_path / "loads.csv"), "--springs", "memory")
-    assert asked.code == 0 and len(asked.out.splitlines()) >= 5

@@ -168,11 +168,7 @@ def test_six_characters_hold_a_number() -> None:
 def test_what_the_cards_cannot_hold_is_named_with_its_error(source: Source, tmp_path: Path) -> None:
     done = export(source, "sacs", tmp_path, springs="pisa", head=2.0)
     text = (tmp_path / "caisson_sacs.inp").read_text()
-    for words in (
-        "M-T cards (all that turns against the rotation)",
-        "torsion is not written",
-        "error of these cards",
-    ):
+    for words in ("M-T cards (all that turns against the rotation)", "torsion is not written", "error of these cards"):
         assert any(words in remark for remark in done.remarks), words
     plain = " ".join(line.strip("* ") for line in text.splitlines() if line.startswith("*"))
     assert all(remark in plain for remark in done.remarks)

@@ -155,10 +155,7 @@ def test_of_two_layers_of_one_name_the_depth_decides(scene: Path, tmp_path: Path
         ("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,1,3\n", "fewer than 3 rows"),
         ("stress [kPa],axial strain [%],q [kPa]\n0,0,2\n0,1,3\n0,2,4\n", "must be positive"),
         ("stress [kPa],axial strain [%],q [kPa]\n100,0,2\n100,,3\n100,2,4\n", "needs a number"),
-        (
-            HEAD.replace(" [%]", "") + ROWS,
-            "lab.csv:1: axial strain: has no unit: write 'axial strain [%]'",
-        ),
+        (HEAD.replace(" [%]", "") + ROWS, "lab.csv:1: axial strain: has no unit: write 'axial strain [%]'"),
         (HEAD.replace("[%]", "[kPa]") + ROWS, "wrong unit \"kPa\": expected 'axial strain [-]' or"),
         (HEAD.replace("axial strain [%]", "eps1") + ROWS, "lab.csv:1: eps1: has no unit: write 'eps1 [%]'"),
         (HEAD.replace("%", "-") + ROWS, "lab.csv:6: axial strain [-]: a strain of 500 %, beyond 100 %: is the unit"),

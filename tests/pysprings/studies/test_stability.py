@@ -179,8 +179,8 @@ def test_the_share_of_cut_backs_counts_cases_that_reached_their_end() -> None:
 
 @pytest.mark.slow
 def test_no_case_ends_without_a_named_reason() -> None:
-    """The whole catalogue on a mesh of 0.6 times `coarse`; on `coarse` itself: `pysprings stability`."""
-    table = stability.run_cases(CASES, "coarse", 0.6)
+    """The whole catalogue on a mesh of 0.45 times `coarse`; on 0.6 of it: `make stability`."""
+    table = stability.run_cases(CASES, "coarse", 0.45)
     assert not table.loc[table["outcome"] == "unexplained", ["case", "detail"]].to_numpy().tolist()
     reached = table[table["outcome"].isin(("converged", "warned"))]
     assert len(reached) >= 45
