@@ -71,6 +71,15 @@ def _one_thread() -> None:
 
 
 @pytest.fixture
+def few_offered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have springs with memory that are not stored calibrated from few elements, in a tenth of the time."""
+    from pysprings.memory import calibration
+    from tests.support.space_springs import few
+
+    monkeypatch.setattr(calibration, "candidates", few)
+
+
+@pytest.fixture
 def scene_file(tmp_path: Path) -> Path:
     """The file of the tiny scene, in the folder of the test."""
     from tests.support import tiny

@@ -3,6 +3,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,7 @@ def imported(file: Path) -> set[str]:
     return found
 
 
+@cache
 def imports_of(folder: str) -> dict[str, set[str]]:
     files = sorted((ROOT / folder).rglob("*.py"))
     assert len(files) > 5

@@ -131,6 +131,7 @@ def report(self, path, fraction, message):
     if path == "pull" and fraction > 0.05:
         os.killpg(0, signal.SIGINT)
 PlainLines.__call__ = report
+signal.signal(signal.SIGINT, signal.default_int_handler)  # where a shell has put this into the background
 sys.argv = {args[2:]!r}
 if __name__ == "__main__":
     app.main()
@@ -144,7 +145,7 @@ if __name__ == "__main__":
     assert done.stderr.endswith(f"go on with: pysprings run {file} --out {out} --jobs 2 --resume\ninterrupted\n")
     record = json.loads((out / "run.json").read_text())
     assert record["status"] == "interrupted" and record["paths"]["pull"]["increments"] > 0
-    run_to_folder(scene, out, resume=True, jobs=2)
+    run_to_folder(scene, out, resume=True, jobs=2, estimate_error=False)
     with xr.open_datatree(out / "full_model.nc", engine="netcdf4", decode_timedelta=False) as tree:
         whole = compute(scene).recorded()
         for path in ("pull", "second"):

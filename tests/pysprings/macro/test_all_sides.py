@@ -37,6 +37,7 @@ from tests.support.vertical import REST, down_curve, vertical_path
 LOADS = 1e5 * np.array(
     [[2.0, 0, 0, 4, 0], [1.2, 1.6, -3.2, 2.4, 0], [2, 0, -3, 4, 0], [2, 0, 0, 4, 2], [0, 0, 0, 0, 3]]
 )
+pytestmark = pytest.mark.usefixtures("few_offered")
 PUSHES = ("H_x", "H_y", "M_x", "M_y", "T")
 
 

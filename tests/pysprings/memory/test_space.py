@@ -19,7 +19,7 @@ from pysprings.macro.comparison_text import SPACE_NOTE, to_text
 from pysprings.macro.fan import build_fan
 from pysprings.macro.predict import sequence
 from pysprings.macro.space import compare_in_space, sequence_in_space
-from pysprings.memory import build, calibration
+from pysprings.memory import build
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import MOST_NUMBERS, way_of
 from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE, SPACE, SPACE_STATES, STATES, advance, tangents
@@ -34,7 +34,7 @@ from pysprings.springs.springs import Springs
 from tests.support import space_paths
 from tests.support.commands import command
 from tests.support.space_paths import RADIUS, elbow
-from tests.support.space_springs import calibrated, elements, few, planar
+from tests.support.space_springs import calibrated, elements, planar
 from tests.support.winkler import REACH, mixed
 
 LENGTH = space_paths.LENGTH
@@ -243,12 +243,6 @@ def test_a_load_along_y_leans_towards_y_in_the_axes_of_the_field() -> None:
     assert float(high["rot_x"][0]) < min(0.0, float(free["rot_x"][0]))
     assert float(along["rot_y"][0]) == pytest.approx(-float(high["rot_x"][0]), rel=0.02)
     assert float(along["u_x"][0]) == pytest.approx(float(high["u_y"][0]), rel=0.02)
-
-
-@pytest.fixture
-def few_offered(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Springs without stored elements, or with those of other paths, are calibrated with few candidates."""
-    monkeypatch.setattr(calibration, "candidates", few)
 
 
 @pytest.mark.usefixtures("few_offered")

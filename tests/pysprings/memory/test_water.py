@@ -14,7 +14,6 @@ from pysprings.macro.cycles import follow_path, reaction_errors
 from pysprings.macro.fan import FanTable, build_fan
 from pysprings.macro.model import MacroModel
 from pysprings.macro.predict import predict, sequence
-from pysprings.memory import calibration
 from pysprings.memory.build import build_memory, digest, has_elements, memory_dataset, with_memory
 from pysprings.memory.mixture import ChangingLoad, mixed as together
 from pysprings.memory.model import MemorySprings
@@ -24,7 +23,6 @@ from pysprings.memory.water import TIMES, Water, water_of
 from pysprings.springs.springs import Springs
 from tests.support import wet, winkler
 from tests.support.fans import DEPTH, LENGTH
-from tests.support.space_springs import few
 from tests.support.wet import RATE, TIME, maxwell
 from tests.support.winkler import REACH, element, elements_of, mixed
 
@@ -245,13 +243,13 @@ def test_elements_depend_on_the_water_at_all_rates() -> None:
 
 
 @pytest.mark.slow
-def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("few_offered")
+def test_calibrated_springs_have_the_pressure_of_a_loop_that_was_held_back() -> None:
     """At half the rate of one set, within 30 % of its largest, which takes the rays at a tenth of that rate.
 
     With rays at one rate, and with a fan, which goes back on the same curve, it is more than 40 % off. Few elements
     are offered to the calibration.
     """
-    monkeypatch.setattr(calibration, "candidates", few)
     found = {}
     for rates in ((RATE, 0.1 * RATE), (RATE,)):
         springs = Springs.of(with_memory(wet.tree(loops=((40.0, 3e-3),), rates=rates)))

@@ -227,6 +227,7 @@ def test_workbook_of_a_fan(tmp_path):
     assert len(book["charts"]._charts) == 4 * 5
 
 
+@pytest.mark.usefixtures("few_offered")  # its paths are not those of its elements
 def test_paths_out_of_one_plane_are_in_the_workbook_and_named_beside_tables(tmp_path):
     """Motions and loads in six degrees of freedom; what has them by depth is named. A table of p-y has none of them."""
     tree = space_springs.calibrated().copy(deep=True)

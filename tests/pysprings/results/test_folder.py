@@ -25,7 +25,6 @@ from pysprings.core.text import with_prefix
 from pysprings.full_model import work
 from pysprings.macro.comparison import Comparison, compare
 from pysprings.macro.predict import predict
-from pysprings.memory import calibration
 from pysprings.model import build
 from pysprings.results import plots
 from pysprings.results.exporters.csv import read_comparison, write_frame
@@ -40,7 +39,6 @@ from tests.support import tiny
 from tests.support.commands import command, environment
 from tests.support.files import contents, read_record, read_report
 from tests.support.place import SCENES
-from tests.support.space_springs import few
 
 # the public contract, word by word
 LOAD_DISPLACEMENT = (
@@ -427,10 +425,10 @@ NO_ESTIMATE, NO_MEMORY = {"dunkirk-pile", "fan"}, {"space-dense-sand", "space-sa
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_offered")
 @pytest.mark.parametrize("name", [*(file.stem for file in SCENES), *template_names()])
-def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_scenes_run_on_a_small_mesh_for_a_short_way(name: str, tmp_path: Path) -> None:
     """A twentieth of each path in two steps: every option of the scene is used. Few elements are offered to springs."""
-    monkeypatch.setattr(calibration, "candidates", few)
     scene = _scene(name)
     small = {
         "mesh": {"refinement": 0.4},
