@@ -236,9 +236,11 @@ class RecordedPath:
         return float(self["V"][0]) if "V" in self else 0.0
 
     def under(self, drainage: str) -> str:
-        """Return the vertical load at the start and, where water flows, the rate in words."""
+        """Return the vertical load at the start, those on the way and, where water flows, the rate in words."""
         rate = f", {1e3 * self.rate:.4g} mm/s of {'w' if self.is_vertical else 'rho'}" if self.rate else ""
-        return f"V {1e-3 * self.load:.5g} kN" + rate * ("coupled" in drainage.split(", "))
+        low, high = (1e-3 * float(end(self.given_loads)) for end in (np.min, np.max))
+        way = "" if same_load(low, high) else f" at first, {low:.5g} to {high:.5g} kN on the way"
+        return f"V {1e-3 * self.load:.5g} kN" + way + rate * ("coupled" in drainage.split(", "))
 
     @cached_property
     def given_loads(self) -> Array:

@@ -38,8 +38,9 @@ def springs_at(source: Source, options: Options) -> tuple[Springs, float | None]
     return springs.at(V=V), V
 
 
+_ROTATION = "rotation_error_max_pct"
 _ERRORS = {
-    "H_error_max_pct": "load", "rotation_error_max_pct": "rotation at equal displacement", "M_error_max_pct": "moment",
+    "H_error_max_pct": "load", _ROTATION: "rotation", "M_error_max_pct": "moment",
     "u_error_max_pct": "displacement at equal load", "u_error_half_pct": "that up to half of the largest load",
     "V_error_max_pct": "vertical load", "T_error_max_pct": "T/R over the largest load",
 }  # fmt: skip
@@ -189,15 +190,21 @@ def _errors(comparison: pd.DataFrame, given: Springs, V: float | None, kind: str
         held = rows[rows["role"] == HELD_BACK]
         used = held if len(held) else rows[(rows["role"] != MEMORY) | (springs == MEMORY)]
         parts = []
-        for key, words in _ERRORS.items():
+        for key in _ERRORS:
             sizes = used.get(key, pd.Series(np.nan, used.index)).abs()
             if np.isfinite(sizes).any():
-                parts.append(f"{words} {sizes.max():.2f} % ({used['path'].iloc[int(np.nanargmax(sizes))]})")
+                worst = used.iloc[int(np.nanargmax(sizes))]
+                parts.append(f"{_error_words(key, worst)} {sizes.max():.2f} % ({worst['path']})")
         role = "held-back" if len(held) else "calibration"
         if parts:
             of = f"{len(used)} {role} paths{given.paces(used['path'])}"
             head = f"largest errors of springs {springs!s} against {given.reference}, {of}"
             yield f"{head}: {', '.join(parts)}"
+
+
+def _error_words(key: str, row: pd.Series | dict) -> str:
+    """Return the words of an error in a row of the comparison; off a plane (eta is NaN) rotation is at equal load."""
+    return _ERRORS[key] + " at equal displacement" * (key == _ROTATION and bool(np.isfinite(row["eta_large"])))
 
 
 def range_of_path(drainage: str, path: SpringPath) -> str:
@@ -228,8 +235,8 @@ def range_of_path(drainage: str, path: SpringPath) -> str:
 def error_of_row(row: pd.Series | dict, reference: str) -> str:
     """Return a sentence on the errors of one row of the comparison with what the paths are recorded from."""
     parts = [
-        f"{words} {round(row[key], 2) + 0.0:+.2f} %"
-        for key, words in _ERRORS.items()
+        f"{_error_words(key, row)} {round(row[key], 2) + 0.0:+.2f} %"
+        for key in _ERRORS
         if np.isfinite(row.get(key, np.nan))
     ]
     source = f"springs from {row['springs_from']}, {row['role']} path"

@@ -148,7 +148,8 @@ def about_lines(
 _SIX_DEGREES = "six degrees"  # sheet
 _OUT_OF_PLANE = (
     f"it leaves the plane of one load; motions and loads are in sheet '{_SIX_DEGREES}', reactions by depth (p_x, p_y, "
-    "t, torque) in springs.nc and its JSON, group 'space', not in these sheets"
+    "t, torque) in springs.nc and its JSON, group 'space', not in these sheets; of an extrapolated run H and M are "
+    "those of its mesh, which load_displacement.csv has, times what the extrapolation makes of a translation"
 )
 
 

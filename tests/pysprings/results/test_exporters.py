@@ -224,6 +224,7 @@ def test_workbook_of_a_fan(tmp_path):
     headings = [cell.value for cell in book["load-displacement"][3]]
     assert "macro-model, fan springs: H [kN]" in headings
     assert {f"p_5.{name}" for name in ("ray_0", "ray_1", "ray_2", "pull_8")} <= set(book.defined_names)
+    assert any("rotation at equal displacement" in str(row[1]) for row in book["About"].values)
     assert len(book["charts"]._charts) == 4 * 5
 
 
@@ -241,6 +242,8 @@ def test_paths_out_of_one_plane_are_in_the_workbook_and_named_beside_tables(tmp_
     np.testing.assert_allclose(found.loc["ray_0", "H_y [kN]"].astype(float), 0.5e-3 * ray["H"].values, rtol=1e-9)
     about = {row[0]: str(row[1]) for row in book["About"].values if row and row[0]}
     assert about["path circle"].startswith("circle, memory") and "in springs.nc and its JSON" in about["path circle"]
+    assert "which load_displacement.csv has, times what the extrapolation" in about["path circle"]
+    assert "rotation +" in about["elbow, memory"] and "equal displacement" not in about["elbow, memory"]
     assert "in its own plane, 30 deg from x towards y" in about["path ray_0"]
     save_springs(tree, tmp_path / "springs.nc")
     for options in ((), ("--wide",)):

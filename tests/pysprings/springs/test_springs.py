@@ -59,6 +59,13 @@ def test_a_path_is_its_converged_steps() -> None:
     np.testing.assert_allclose(path.p, recorded["p_component"].sum(("side", "component")).values[:, :-1], rtol=1e-14)
 
 
+def test_a_vertical_load_that_changes_is_in_the_words_of_its_path(tree: xr.DataTree) -> None:
+    assert Springs.of(tree).path("slide").under("drained") == "V 2000 kN"
+    tree = tree.copy(deep=True)
+    tree["paths/slide/V"].values[6:] = 3e6
+    assert Springs.of(tree).path("slide").under("drained") == "V 2000 kN at first, 2000 to 3000 kN on the way"
+
+
 def test_derived_springs_are_made_once() -> None:
     springs = Springs.of(vertical_springs(heavier=(6e6,)))
     assert springs.at(V=3e6) is springs.at(V=3e6)
