@@ -38,23 +38,28 @@ def table(**options: str) -> pd.DataFrame:
     return pd.read_csv(io.StringIO(text(**options)), comment="#")
 
 
-def read(curve: pd.DataFrame, moves: str, reacts: str, x: float) -> float:
-    """Return the reaction on the straight lines of a curve."""
-    own = curve[[moves, reacts]].dropna()
-    return float(np.sign(x) * np.interp(abs(x), own[moves], own[reacts])) if len(own) else 0.0
+PAIRS = (("y_m", "p_N_per_m"), ("y_m", "H_N"), ("rotation_rad", "m_Nm_per_m"), ("rotation_rad", "M_Nm"))
+Lines = list[tuple[float, float, list[tuple[np.ndarray, np.ndarray]]]]
 
 
-def loads(curves: pd.DataFrame, u: float, rotation: float) -> np.ndarray:
-    """Return H, M of a rigid beam on the curves of a table, as a beam program sums them."""
-    out = np.zeros(2)
+def lines_of(curves: pd.DataFrame) -> Lines:
+    """Return depth, height and the four curves of each row of springs in a table."""
+    found = []
     for (_, z), own in curves.groupby(["family", "depth_m"]):
         height = own["depth_bottom_m"].iloc[0] - own["depth_top_m"].iloc[0]
+        found.append((z, height, [tuple(own[[*pair]].dropna().to_numpy().T) for pair in PAIRS]))
+    return found
+
+
+def loads(springs: Lines, u: float, rotation: float) -> np.ndarray:
+    """Return H, M of a rigid beam on the straight lines of the curves of a table, as a beam program sums them."""
+    out = np.zeros(2)
+    for z, height, curves in springs:
         y = u - z * rotation
-        force = height * read(own, "y_m", "p_N_per_m", y) + read(own, "y_m", "H_N", y)
-        couple = height * read(own, "rotation_rad", "m_Nm_per_m", rotation) + read(
-            own, "rotation_rad", "M_Nm", rotation
-        )
-        out += force, couple - z * force
+        p, H, m, M = (np.sign(x) * np.interp(abs(x), *curve) if curve[0].size else 0.0
+                      for x, curve in zip((y, y, rotation, rotation), curves, strict=True))  # fmt: skip
+        force = height * p + H
+        out += force, height * m + M - z * force
     return out
 
 
@@ -64,13 +69,13 @@ def test_the_stated_error_is_that_of_a_rigid_beam_on_the_straight_lines_of_the_t
     alone, whole = (line for line in written.splitlines()[:2])
     assert alone.startswith("# p(y) alone") and whole.startswith("# all curves of this table")
     curves, path = pd.read_csv(io.StringIO(written), comment="#"), Springs.of(make_springs(PATHS)).paths["pull"]
-    for line, own in ((alone, curves[curves["family"] == "py"]), (whole, curves)):
+    for line, own in ((alone, lines_of(curves[curves["family"] == "py"])), (whole, lines_of(curves))):
         errors = []
         for u, H in zip(path.u, path["H"], strict=True):
             if u < 0.01 * path.u[-1]:
                 continue
 
-            def missing(rotation: float, u: float = u, own: pd.DataFrame = own) -> float:
+            def missing(rotation: float, u: float = u, own: Lines = own) -> float:
                 force, couple = loads(own, u, rotation)
                 return float(couple - path.arm * force)
 
@@ -95,9 +100,10 @@ def test_a_pile_that_stands_for_the_foundation_follows_the_fan(tmp_path: File) -
     assert any("not for loads near the depth of the tip" in line for line in lines)
     curves = pd.read_csv(io.StringIO("\n".join(lines)), comment="#")
     assert curves["depth_bottom_m"].max() <= 8.0 + 1e-9
+    rows = lines_of(curves)
     for path in (Springs.of(tree).paths[name] for name in ("pull_2", "pull_8")):
         exact = np.stack([path["H"], path["M"]], axis=1)[5:]
-        found = np.array([loads(curves, *state) for state in zip(path.u[5:], path.rotation[5:], strict=True)])
+        found = np.array([loads(rows, *state) for state in zip(path.u[5:], path.rotation[5:], strict=True)])
         assert (
             np.linalg.norm((found - exact) / [1.0, 4.0], axis=1) < 0.05 * np.linalg.norm(exact / [1.0, 4.0], axis=1)
         ).all()
@@ -110,7 +116,7 @@ def test_a_pile_that_stands_for_the_foundation_follows_the_fan(tmp_path: File) -
     assert command("springs", tmp_path / "fan.nc", "--for", "beam", "--pile", "--out", tmp_path / "pile.csv").code == 0
     found = command("predict", tmp_path / "pile.csv", "--H", "0.5 MN", "--arm", "2 m", "--json")
     state = json.loads(found.out)["states"][-1]
-    np.testing.assert_allclose(loads(curves, state["u"], state["rotation"]), [0.5e6, 1.0e6], rtol=1e-3)
+    np.testing.assert_allclose(loads(lines_of(curves), state["u"], state["rotation"]), [0.5e6, 1.0e6], rtol=1e-3)
 
 
 @pytest.mark.parametrize("depths", ["", DEPTHS])
@@ -207,7 +213,7 @@ def test_the_table_answers_as_springs_of_a_user(tmp_path: File) -> None:
         found = command("predict", file, "--springs", "full", "--H", f"{H} N", "--arm", f"{arm} m", "--json")
         assert found.code == 0, found.err
         state = json.loads(found.out)["states"][-1]
-        balance = loads(table(depths=DEPTHS), state["u"], state["rotation"])
+        balance = loads(lines_of(table(depths=DEPTHS)), state["u"], state["rotation"])
         np.testing.assert_allclose(balance, [H, H * arm], rtol=1e-6, atol=1e-6 * H)
 
 
@@ -314,7 +320,7 @@ def test_curves_at_mudline_and_tip_keep_force_and_moment() -> None:
     curves = table(depths=f"0, 0.5, {springs.length} m")
     for share in (0.4, 1.0):
         k = round(share * (slid.n - 1))
-        force, couple = loads(curves, float(slid.u[k]), 0.0)
+        force, couple = loads(lines_of(curves), float(slid.u[k]), 0.0)
         assert force == pytest.approx(float(slid["H"][k] - slid["H"][0]), rel=1e-2)
         p = slid.p[:, k] - slid.p[:, 0]
         moment = -float(p @ (slid.depth * slid.heights)) - springs.length * float(slid["H_tip"][k] - slid["H_tip"][0])
