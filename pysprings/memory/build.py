@@ -16,7 +16,8 @@ from pysprings.core.path_kinds import MEMORY
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.vertical import build_vertical
 from pysprings.memory.calibration import ElementSet, SpaceElements, calibrate
-from pysprings.memory.mixture import ChangingLoad, fitted, mixed, shares_at
+from pysprings.memory.elements import YIELDED
+from pysprings.memory.mixture import LAG, RENEWED, ChangingLoad, fitted, mixed, shares_at
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.shares import Sample, Shares, samples
 from pysprings.memory.space import calibrate_in_space
@@ -102,8 +103,9 @@ def _stored_change(springs: Springs) -> xr.Dataset | None:
 
 
 def _change_digest(springs: Springs) -> str:
-    """Return the SHA-256 (hex) of what elements under a V that changes are fitted to."""
-    found = hashlib.sha256("".join(digest(at) for at in _at_loads(springs).values()).encode())
+    """Return the SHA-256 (hex) of what elements under a V that changes are fitted to, and of their law."""
+    law = repr((YIELDED, LAG, RENEWED))
+    found = hashlib.sha256("".join([law, *(digest(at) for at in _at_loads(springs).values())]).encode())
     for path in springs.changing:
         for values in (path.u, path.rotation, path["H"], path["M"], path.given_loads):
             found.update(np.ascontiguousarray(values, dtype="<f8").tobytes())

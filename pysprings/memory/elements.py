@@ -67,6 +67,7 @@ SPACE_COLUMNS, SPACE_STATES, SPACE = 13, 5, 5  # parameters and numbers of one i
 MAX_ITERATIONS = 40
 TOLERANCE = 1e-9  # residual at rest, relative to the size of the equation
 SHORTEST = 1e-4  # share of the way to a target below which no step is halved again
+YIELDED = 8  # power of what an element carries over its limit, with which a V that changes takes a part of it
 FREE = 3  # iterations that are taken whole: the first tangent is that of elements at rest, stiffer than what follows
 MIN_DAMPING = 1.0 / 256.0
 ARMIJO = 1e-4
@@ -296,28 +297,38 @@ def advance(rows, q0, q1, states, F, K):
 
 
 @jitted
-def relax(rows, states, q, kept):
-    """Take from elements at a motion q (2,) [m] what they carry, but for a share `kept`; writes states.
+def relax(rows, states, q, change):
+    """Take from elements at a motion q (2,) [m] a part of what they carry; writes states.
 
-    Two walls that press on a plate keep what both press. Reversible elements keep all.
+    They keep exp(-change x^YIELDED) of it, x what they carry over their limit: those that yield lose, others nearly
+    nothing. Two walls that press on a plate keep what both press. Reversible elements keep all.
     """
-    if kept >= 1.0:
-        return
     for k in range(rows.shape[0]):
-        if rows[k, 0] == PLASTIC:
-            states[k, 0] *= kept
-            states[k, 1] *= kept
-        elif rows[k, 0] == GAP or rows[k, 0] == FRICTIONAL:
-            x = rows[k, 4] * q[0] + rows[k, 5] * q[1]
-            pressed = rows[k, 1] if rows[k, 0] == GAP else 0.0
-            first, second = x + pressed - states[k, 0], states[k, 1] - x + pressed
+        row, state, d = rows[k], states[k], rows[k, 7]
+        if row[0] == PLASTIC:
+            e0, e1, p = state[0], state[1], state[2]
+            gauge = math.sqrt(e0 * (row[1] * e0 + row[2] * e1) + e1 * (row[2] * e0 + row[3] * e1))
+            radius = d * (1.0 + row[8] * p / (p + row[9])) if row[8] != 0.0 else d
+            share = _kept(change, gauge, radius)
+            state[0], state[1] = share * e0, share * e1
+        elif row[0] == GAP or row[0] == FRICTIONAL:
+            x = row[4] * q[0] + row[5] * q[1]
+            pressed = row[1] if row[0] == GAP else 0.0
+            first, second = max(x + pressed - state[0], 0.0), max(state[1] - x + pressed, 0.0)
+            if row[0] == FRICTIONAL:
+                state[2] *= _kept(change, abs(state[2]), row[3] * (first + second))
             both = 0.5 * (first + second) if first > 0.0 and second > 0.0 else 0.0
+            share = _kept(change, max(first, second), d)
             if first > 0.0:
-                states[k, 0] = x + pressed - (both + kept * (first - both))
+                state[0] = x + pressed - both - share * (first - both)
             if second > 0.0:
-                states[k, 1] = x - pressed + (both + kept * (second - both))
-            if rows[k, 0] == FRICTIONAL:
-                states[k, 2] *= kept
+                state[1] = x - pressed + both + share * (second - both)
+
+
+@jitted
+def _kept(change, carried, limit):
+    """Return the share that is kept of what an element carries, at most its limit."""
+    return math.exp(-change * min(1.0, carried / limit) ** YIELDED) if limit > 0.0 else 1.0
 
 
 @jitted

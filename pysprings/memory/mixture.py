@@ -8,14 +8,22 @@ Each set follows the whole motion and carries a share of its loads,
 as a fan is interpolated: linear in V, or in the logarithm of the rate (`pysprings.springs.path_sets`). This is a set of
 elements in parallel like each of them: no closed way gives work.
 
-A V that changes yields the soil, too, and takes away a part of what the elements carry laterally: while V changes by
-dV, what they carry is multiplied by
+A V that changes yields the soil, too, and takes away a part of what elements that yield carry laterally: while V
+changes by dV, an element that carries x times its limit keeps of that
 
-    exp(-|dV|/V_virgin)  where V is larger than ever before (virgin loading),   exp(-|dV|/V_reload)  else.
+    exp(-x^8 |dV|/V_virgin)  where V is larger than ever before (virgin loading),   exp(-x^8 |dV|/V_reload)  else.
 
 Under a motion that is held the load relaxes by that; under a load that is held the caisson moves on. V_virgin and
-V_reload are fitted to rays on which V changes. Reversible elements, which keep nothing, do not relax. At a constant V
-nothing of this acts, and no closed way gives work; what the work of V does to a way on which V changes is not counted.
+V_reload are fitted to rays on which V changes. Reversible elements, which keep nothing, do not relax. Where V has been
+before the soil has yielded, and nothing is taken again: the range of these V shrinks to V by exp(-s/(RENEWED reach)),
+as new soil yields; s is the lateral way, less what is elastic with the stiffness at rest.
+
+Shares follow V at once where the elements then carry less. Where they carry more, the soil has the strength but a
+motion has to mobilise it: they approach those at V by exp(-s/(LAG reach)). Without both, V to and fro under a held load
+moves the springs on without end, and a V that changes gives loads that no motion has called for.
+
+At a constant V nothing of this acts, and no closed way gives work; what the work of V does to a way on which V changes
+is not counted.
 
 Lateral reactions at a V are those of the sets by their shares; vertical ones and w change by the changes of those of
 the sets, each times its share at the time.
@@ -32,14 +40,14 @@ import numpy as np
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import same_load
 from pysprings.macro.solver import Drive
-from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.calibration import ElementSet
-from pysprings.memory.elements import PLATES, STATES, advance, follow, relax
+from pysprings.memory.elements import FRICTIONAL, GAP, SHORTEST, STATES, advance, follow, relax
 from pysprings.memory.shares import Shares, elastic_of, stiffnesses, ways_of
 from pysprings.memory.water import Water
 
 PARTS = 60  # steps in which V passes the range of the loads; a part of it has that times the root of its share
-SWUNG = 2.0  # ranges of the loads that V covers on the rays on which it changes: to the end, half back, and there again
+LAG, RENEWED = 0.05, 0.1  # ways over the reach: strength at another V is mobilised, and what V took it can take again
+CLOSE = 1e-6  # of the range of the loads: the strength is that at V
 FIRST, WIDEST = (1.0, 4.0), 1e3  # V_virgin and V_reload where a fit starts, and their largest value, over that range
 
 
@@ -60,11 +68,12 @@ def shares_at(V: Array, loads: Array) -> Array:
     return np.stack([np.interp(V, loads, row) for row in np.eye(len(loads))], axis=-1)
 
 
-def scaled(rows: Array, share: float) -> Array:
-    """Return elements (n, COLUMNS) that carry a share of what these do."""
-    out, plate = rows.copy(), np.isin(rows[:, 0], PLATES)
-    out[plate, 6] *= share
-    out[~plate, 4:7] *= share
+def scaled(rows: Array, share: float | Array) -> Array:
+    """Return elements (n, COLUMNS) that carry a share, or each its own (n,), of what these do."""
+    out, each = rows.copy(), np.broadcast_to(share, len(rows))
+    plate = (rows[:, 0] == GAP) | (rows[:, 0] == FRICTIONAL)  # n or t in columns 4 and 5
+    out[:, 4:6] *= np.where(plate, 1.0, each)[:, None]
+    out[:, 6] *= each
     return out
 
 
@@ -97,12 +106,27 @@ def _water(parts: Sequence[tuple[Water, float]]) -> Water | None:
     return Water(factors, np.concatenate([each.times for each, _ in parts], axis=1))
 
 
-class Step(NamedTuple):
-    """A step of V: elements at its end (n, COLUMNS), share that they keep of what they carry, part of the whole way."""
+class Past(NamedTuple):
+    """What elements keep of a V that changes, all in [N].
 
-    rows: Array
-    kept: float
-    part: float
+    V : now. top : the largest so far. low, high : V between them takes nothing again. mobilised : V of the shares.
+    """
+
+    V: float
+    top: float
+    low: float
+    high: float
+    mobilised: float
+
+    @classmethod
+    def at(cls, V: float) -> "Past":
+        """Return that of a V that has not changed."""
+        return cls(V, V, V, V, V)
+
+    @property
+    def still(self) -> bool:
+        """Whether V has not changed."""
+        return self.low == self.high == self.mobilised
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,76 +156,145 @@ class ChangingLoad:
         low, high = self.loads[[0, -1]]
         return np.array([low <= load <= high or same_load(load, low) or same_load(load, high) for load in V])
 
-    @property
-    def swing(self) -> float:
-        """Changes of V [N], added up, up to which it is known what they take away."""
-        return SWUNG * float(self.loads[-1] - self.loads[0]) * (1.0 + RANGE_SLACK)
-
     def rows_at(self, V: float) -> Array:
         """Return the elements of all sets (n, COLUMNS) with the stiffness of their shares at V [N]."""
-        shares = shares_at(np.array([V]), self.loads)[0]
-        return np.concatenate([scaled(each.rows, share) for each, share in zip(self.sets, shares, strict=True)])
+        if V not in self._made:
+            while len(self._made) > 1:
+                self._made.pop(next(iter(self._made)))
+            shares = shares_at(np.array([V]), self.loads)[0]
+            self._made[V] = scaled(self.rows, np.repeat(shares, [len(each.rows) for each in self.sets]))
+        return self._made[V]
+
+    @cached_property
+    def _made(self) -> dict[float, Array]:
+        """The last two answers of `rows_at`."""
+        return {}
 
     def follow(self, drive: Drive, aims: Array, V: Array) -> tuple[Array, Array, tuple[float, float]]:
         """Follow aims (n, 2) of the equations of `drive` under V (n,) [N] from rest at the first V.
 
         Returns motions (k, 2) = (u, rotation L) [m], loads (k, 2) = (H, M/L) [N], and the right side where it ended.
         """
-        motions, loads = np.zeros(aims.shape), np.zeros(aims.shape)
+        motions, loads, past = np.zeros(aims.shape), np.zeros(aims.shape), Past.at(float(V[0]))
         q, last, states = np.zeros(2), np.zeros(2), np.zeros((len(self.rows), STATES))
-        for k, steps in enumerate(self._steps(V)):
-            q, load, at = self.step(drive, q, states, np.stack([last, aims[k]]), steps)
-            if load is None:
+        for k, load in enumerate(V.tolist()):
+            q, carried, at, past = self.step(drive, q, states, np.stack([last, aims[k]]), past, load)
+            if carried is None:
                 return motions[:k], loads[:k], at
-            motions[k], loads[k], last = q, load, aims[k]
+            motions[k], loads[k], last = q, carried, aims[k]
         return motions, loads, (float(last[0]), float(last[1]))
 
     def step(
-        self, drive: Drive, q: Array, states: Array, way: Array, steps: Sequence[Step]
-    ) -> tuple[Array, Array | None, tuple[float, float]]:
+        self, drive: Drive, q: Array, states: Array, way: Array, past: Past, V: float
+    ) -> tuple[Array, Array | None, tuple[float, float], Past]:
         """Go from a right side of the equations of `drive` to another, way (2, 2), from states at a motion q (2,) [m].
 
-        Returns motion [m] and load [N] (None: not reached), and the right side where it ended; changes the states.
+        Returns motion [m] and load [N] (None: not reached), the right side where it ended, and the past there; changes
+        the states. Parts of the way are halved until the shares change little with the motion of one.
         """
-        found, carried, last = np.zeros((2, 2)), np.zeros((2, 2)), way[0]
-        for rows, kept, part in steps:
-            relax(self.rows, states, q, kept)
-            aims = np.stack([last, way[0] + part * (way[1] - way[0])])
-            n, at = follow(rows, drive, self.largest, q, states, aims, found, carried)
-            if n < len(aims):
-                return q, None, (at[0], at[1])
-            q, last = found[1].copy(), aims[1]
-        return q, carried[1], (float(last[0]), float(last[1]))
+        found, carried, last, start = np.zeros((2, 2)), np.zeros((2, 2)), way[0], past.V
+        done, width = 0.0, 1.0 / self._parts(start, V)
+        while done < 1.0:
+            part = min(1.0, done + width) if done + 1.5 * width < 1.0 else 1.0
+            trial, aims = states.copy(), np.stack([last, way[0] + part * (way[1] - way[0])])
+            now = self._changed(past, V if part == 1.0 else start + part * (V - start), trial, q)
+            before = self._carried(now.mobilised, trial, q)
+            n, at = follow(self.rows_at(now.mobilised), drive, self.largest, q, trial, aims, found, carried)
+            moved = float(np.hypot(*(found[1] - q))) if n == len(aims) else np.inf
+            if now.mobilised != now.V and moved > 0.5 * self.largest and width > SHORTEST:
+                width *= 0.5
+            elif n == len(aims):
+                past = self._moved(now, found[1] - q, carried[1] - before)
+                states[:], q, last, done = trial, found[1].copy(), aims[1], part
+            elif past.mobilised == now.mobilised != now.V:  # it moves until the strength at V is mobilised
+                past = past._replace(mobilised=now.V)
+            else:
+                return q, None, (at[0], at[1]), past
+        return q, carried[1], (float(last[0]), float(last[1])), past
+
+    def changed(self, past: Past, V: float, states: Array, q: Array) -> Past:
+        """Change V [N] at a held motion q (2,) [m]: returns the past there; takes from the states what that takes."""
+        for load in np.linspace(past.V, V, self._parts(past.V, V) + 1)[1:].tolist():
+            past = self._changed(past, load, states, q)
+        return past
+
+    def _parts(self, start: float, end: float) -> int:
+        """Return in how many steps V [N] changes."""
+        if start == end:
+            return 1
+        return int(np.ceil(np.sqrt(abs(end - start) / (self.loads[-1] - self.loads[0])) * PARTS))
+
+    def _changed(self, past: Past, V: float, states: Array, q: Array) -> Past:
+        """Change V [N] by one step, as `changed`."""
+        if past.V == V:
+            return past
+        fresh = max(V - past.high, past.low - V, 0.0)
+        relax(self.rows, states, q, fresh / (self.virgin if past.top < V else self.reloading))
+        before, now = (self._carried(load, states, q) for load in (past.mobilised, V))
+        weaker = now @ before <= before @ before
+        low, high = min(past.low, V), max(past.high, V)
+        return Past(V, max(past.top, V), low, high, V if weaker else past.mobilised)
+
+    def _carried(self, V: float, states: Array, q: Array) -> Array:
+        """Return what elements in states at a motion q (2,) [m] carry (2,) [N] with the shares at V [N]."""
+        F = np.zeros(2)
+        advance(self.rows_at(V), q, q, states.copy(), F, np.zeros((2, 2)))
+        return F
+
+    def _moved(self, past: Past, motion: Array, change: Array) -> Past:
+        """Return the past after a motion (2,) [m] at its V, on which the load changes by `change` (2,) [N]."""
+        if past.still:
+            return past
+        V, way = past.V, float(np.hypot(*(motion - self._flexibility @ change)))
+        lagging, closed = (np.exp(-way / (share * self._reach)) for share in (LAG, RENEWED))
+        mobilised = V + lagging * (past.mobilised - V)
+        near = abs(mobilised - V) <= CLOSE * (self.loads[-1] - self.loads[0])
+        low, high = (float(V + closed * (load - V)) for load in (past.low, past.high))
+        return Past(V, past.top, low, high, V if near else float(mobilised))
+
+    @cached_property
+    def _reach(self) -> float:
+        return min(each.reach for each in self.sets)
+
+    @cached_property
+    def _flexibility(self) -> Array:
+        """Flexibility at rest (2, 2) [m/N], at the first of the loads."""
+        return np.asarray(np.linalg.inv(stiffnesses(self.rows_at(float(self.loads[0]))).sum(axis=0)))
 
     def loads_along(self, motions: Array, V: Array) -> Array:
         """Return the loads (n, 2) = (H, M/L) [N] along motions (n, 2) [m] from rest under V (n,) [N]."""
-        return np.array([F.copy() for _, _, F, _ in self._along(motions, V)])
+        return np.array([F.copy() for _, _, F, _, _ in self._along(motions, V)])
 
     def tangents(self, motions: Array, V: Array) -> Array:
         """Return the tangents (n, 2, 2) [N/m] along motions (n, 2) [m] from rest under V (n,) [N]."""
-        return np.array([K.copy() for _, _, _, K in self._along(motions, V)])
+        return np.array([K.copy() for _, _, _, K, _ in self._along(motions, V)])
 
     def reactions(self, motions: Array, V: Array) -> Array:
         """Return all reactions (rows, n) along motions (n, 2) [m] from rest under V (n,) [N]."""
-        way = [self.elastic(states, q) for q, states, _, _ in self._along(motions, V)]
-        rows = self.by_set(*(np.stack(parts) for parts in zip(*way, strict=True)))
-        changes = np.diff(rows, axis=2, prepend=0.0).transpose(1, 2, 0) * shares_at(V, self.loads)
-        found: Array = np.where(self.odd[:, None], self.mixed(rows, V), changes.sum(axis=2).cumsum(axis=1))
+        way = [(*self.elastic(states, q), past.mobilised) for q, states, _, _, past in self._along(motions, V)]
+        e, p, mobilised = (np.stack(parts) for parts in zip(*way, strict=True))
+        rows = self.by_set(e, p)
+        changes = np.diff(rows, axis=2, prepend=0.0).transpose(1, 2, 0) * shares_at(mobilised, self.loads)
+        found: Array = np.where(self.odd[:, None], self.mixed(rows, mobilised), changes.sum(axis=2).cumsum(axis=1))
         return found
 
-    def _along(self, motions: Array, V: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
-        """Yield motion (2,), states, loads (2,), tangent (2, 2) at motions (n, 2) under V (n,), in the same arrays."""
+    def _along(self, motions: Array, V: Array) -> Iterator[tuple[Array, Array, Array, Array, Past]]:
+        """Yield motion, states, loads (2,), tangent (2, 2), past at motions (n, 2) under V (n,), in the same arrays."""
         q, states, F, K = np.zeros(2), np.zeros((len(self.rows), STATES)), np.zeros(2), np.zeros((2, 2))
-        for motion, steps in zip(motions, self._steps(V), strict=True):
-            start = q
-            for rows, kept, part in steps:
-                relax(self.rows, states, q, kept)
-                way = start + part * (motion - start) - q
-                n = max(1, int(np.ceil(np.hypot(*way) / self.largest)))
+        past = Past.at(float(V[0]))
+        for motion, end in zip(motions, V.tolist(), strict=True):
+            start, parts = q, self._parts(past.V, end)
+            for part, at in enumerate(np.linspace(past.V, end, parts + 1)[1:].tolist(), 1):
+                past = self._changed(past, at, states, q)
+                way = start + part / parts * (motion - start) - q
+                step = self.largest * (1.0 if past.mobilised == past.V else 0.5)
+                n = max(1, int(np.ceil(np.hypot(*way) / step)))
                 for _ in range(n):
+                    load = F if past.still else self._carried(past.mobilised, states, q)
                     before, q = q, q + way / n
-                    advance(rows, before, q, states, F, K)
-            yield q, states, F, K
+                    advance(self.rows_at(past.mobilised), before, q, states, F, K)
+                    past = self._moved(past, way / n, F - load)
+            yield q, states, F, K, past
 
     @property
     def odd(self) -> Marks:
@@ -223,25 +316,6 @@ class ChangingLoad:
         found: Array = np.einsum("krn,nk->rn", rows, shares_at(V, self.loads))
         return found
 
-    def steps(self, start: float, end: float, top: float) -> list[Step]:
-        """Return the steps from a V [N] to another one; top: largest V so far."""
-        if start == end:
-            return [Step(self.rows_at(end), 1.0, 1.0)]
-        n = int(np.ceil(np.sqrt(abs(end - start) / (self.loads[-1] - self.loads[0])) * PARTS))
-        loads = np.linspace(start, end, n + 1)
-        fresh = np.diff(np.maximum(np.maximum.accumulate(loads), top))
-        kept = np.exp(-fresh / self.virgin - (np.abs(np.diff(loads)) - fresh) / self.reloading)
-        parts = np.arange(1, n + 1) / n
-        return [Step(self.rows_at(V), own, part) for V, own, part in zip(loads[1:], kept, parts, strict=True)]
-
-    def _steps(self, V: Array) -> Iterator[list[Step]]:
-        """Yield the steps to each state under V (n,) [N]."""
-        before, top, steps = float(V[0]), float(V[0]), self.steps(V[0], V[0], V[0])
-        for load in V.tolist():
-            steps = self.steps(before, load, top) if load != before else [Step(steps[-1].rows, 1.0, 1.0)]
-            before, top = load, max(top, load)
-            yield steps
-
 
 def fitted(loads: Array, sets: Sequence[ElementSet], paths: Sequence[tuple[Array, Array, Array]]) -> ChangingLoad:
     """Return the elements of sets, with V_virgin and V_reload with which they follow paths on which V changes best.
@@ -254,7 +328,7 @@ def fitted(loads: Array, sets: Sequence[ElementSet], paths: Sequence[tuple[Array
     span = float(loads[-1] - loads[0])
 
     def made(logs: Array) -> ChangingLoad:
-        virgin, reloading = span * np.exp(np.minimum(logs, np.log(WIDEST)))
+        virgin, reloading = span * np.exp(np.minimum(logs[[0, -1]], np.log(WIDEST)))
         return ChangingLoad(loads, tuple(sets), float(virgin), float(reloading))
 
     def missing(logs: Array) -> float:
@@ -263,8 +337,8 @@ def fitted(loads: Array, sets: Sequence[ElementSet], paths: Sequence[tuple[Array
             found += float(((springs.loads_along(motions, V) - known) ** 2).sum() / (known**2).sum())
         return found
 
-    corners = np.log(FIRST) + np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    options = {"xatol": 0.02, "fatol": 1e-4, "initial_simplex": corners}
-    answer = minimize(missing, corners[0], method="Nelder-Mead", options=options)
     grows = any(bool((V[1:] > np.maximum.accumulate(V)[:-1]).any()) for _, _, V in paths)
-    return made(answer.x if grows else answer.x[[1, 1]])
+    n = 2 if grows else 1
+    corners = np.log(FIRST[:n]) + np.vstack([np.zeros(n), np.eye(n)])
+    options = {"xatol": 0.02, "fatol": 1e-4, "initial_simplex": corners}
+    return made(minimize(missing, corners[0], method="Nelder-Mead", options=options).x)

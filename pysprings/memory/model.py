@@ -29,11 +29,6 @@ _NOT_ASKED = {
     "secant": "springs with memory have no secant stiffness of a state: ask for the springs 'fan'",
 }
 
-_SWUNG = (
-    "{} of {} states come after changes of V that add up to more than {}, those of the calibration: each takes a part "
-    "of the lateral loads from these springs, without end, where the ground comes to rest (in clay 5 % of V, back and "
-    "forth under a held load, moved them by 1.0 mm in 10 cycles and 23 mm in 200, the full model by 0.3 mm in 10)"
-)
 _IN_SPACE = "elements in the space of both planes, calibrated on paths out of one plane"
 
 PART = 4.0  # a way under loads is divided where its motion is longer than this, in largest steps of the elements
@@ -132,18 +127,11 @@ class MemorySprings(FanSprings):
     def lacks(self, V: Array, other: Marks) -> Marks:
         """Return which states under V (n,) [N] the elements do not follow, where `other` (n,) are not at their V.
 
-        They are those from the first one on that is not at their V, or, with rays on which V changes, beyond its range,
-        or after changes that add up to more than on these rays.
+        They are those from the first one on that is not at their V, or, with rays on which V changes, beyond its range.
         """
         changing = self.under(V)
-        beyond = other if changing is None else other & ~changing.covers(V) | self._swung(V)
+        beyond = other if changing is None else other & ~changing.covers(V)
         found: Marks = np.logical_or.accumulate(beyond)
-        return found
-
-    def _swung(self, V: Level) -> Marks:
-        """Return which states under V (n,) [N] come after changes that add up to more than those of the calibration."""
-        changing, each = self.under(V), np.atleast_1d(np.asarray(V, dtype=float))
-        found: Marks = np.abs(np.diff(each, prepend=each[:1])).cumsum() > (changing.swing if changing else np.inf)
         return found
 
     def rest_under(self, V: float | Array | None) -> tuple[float, float]:
@@ -156,8 +144,6 @@ class MemorySprings(FanSprings):
 
     def lacks_notes(self, V: Array, lacking: Marks) -> list[str]:
         """Return a sentence on states under another V [N] than the elements follow, or after one."""
-        if self.changing is not None and self.follows(V):
-            lacking = lacking & np.logical_or.accumulate(~self.changing.covers(V))
         if not lacking.any():
             return []
         own, there = f"that of the elements ({with_prefix(self.V, 'N', 6)})", "unchanged"
@@ -182,12 +168,8 @@ class MemorySprings(FanSprings):
     def along(
         self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float
     ) -> Along:
-        """Return sentences where states (k, 2), or V, come farther than the calibration; turns are no mark."""
-        notes, changing = beyond_way(states * self.to_motion, self.elements.way), self.under(V)
-        if changing is not None and (swung := self._swung(V) & states.any(axis=1)).any():
-            text = _SWUNG.format(swung.sum(), swung.size, with_prefix(changing.swing, "N", 3))
-            notes = (*notes, text)
-        return Along(notes=notes)
+        """Return a sentence where states (k, 2) come farther than the calibration; turns are no mark."""
+        return Along(notes=beyond_way(states * self.to_motion, self.elements.way))
 
     def solve(
         self,

@@ -12,8 +12,8 @@ from pysprings.core.loads import loads_in_words
 from pysprings.macro.fan import WIDEST, FanTable
 from pysprings.macro.vertical import VerticalTable, covered
 from pysprings.macro.ways import RANGE_SLACK, Control
-from pysprings.memory.elements import STATES, advance, relax
-from pysprings.memory.mixture import ChangingLoad, Step
+from pysprings.memory.elements import STATES, advance
+from pysprings.memory.mixture import ChangingLoad, Past
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
@@ -69,23 +69,20 @@ class MemoryStepper:
     state : (elements, 3) committed numbers of the elements.
     motion, load : committed (u [m], rotation [rad]) and (H [N], M [N m]).
     way : committed motions added up [m].
-    V, top, swung : committed vertical load [N] of the elements, the largest one so far, and changes added up.
+    past : committed vertical load [N] of the elements, and what they keep of its changes (`pysprings.memory.mixture`).
     offset : (rows,) what vertical reactions and w have kept from other vertical loads.
     water : committed numbers of the water's part of p, see `pysprings.memory.water`; None where there is none.
     """
 
     def __init__(self, model: MemorySprings) -> None:
         self.model = model
-        self.V = self.top = model.V if np.isfinite(model.V) else 0.0
-        self.swung = 0.0
+        self.past = Past.at(model.V if np.isfinite(model.V) else 0.0)
         self._loads = model.changing or ChangingLoad(np.array([self.V]), (model.elements,), np.inf, np.inf)
         self.state, self.offset = np.zeros((len(self._loads.rows), STATES)), np.zeros(len(model.table.name))
         self.motion, self.load, self.way = np.zeros(2), np.zeros(2), 0.0
         self._water = model.elements.shares.water if model.changing is None else None
         self.water = None if self._water is None else self._water.rest
-        self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
-        self._known = self.V, self._loads.rows_at(self.V)
-        self._steps = self._to(None)
+        self._trial, self._then = (self.state.copy(), self.motion.copy(), self.load.copy()), self.past
         self._conditions: tuple[float | None, float | None] = None, None
 
     def advance(
@@ -113,29 +110,21 @@ class MemoryStepper:
         model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
         drive, aims = model.equations(control, aim, 0.0)
         start = self.load / model.to_motion if motion is None else self.motion * model.to_motion
-        way, state, steps = np.concatenate([start[None], aims]), self.state.copy(), self._to(V)
-        q, carried, at = self._loads.step(drive, self.motion * model.to_motion, state, way, steps)
+        way, state = np.concatenate([start[None], aims]), self.state.copy()
+        now = self.V if V is None or model.changing is None else V
+        q, carried, at, then = self._loads.step(drive, self.motion * model.to_motion, state, way, self.past, now)
         if carried is None:
             carried_so_far = loads_in_words(*np.array(at) * model.to_motion)
             raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(carried_so_far))])
-        self._trial = state, q / model.to_motion, carried * model.to_motion
-        self._conditions, self._steps = (V, duration), steps
+        self._trial, self._then = (state, q / model.to_motion, carried * model.to_motion), then
+        self._conditions = V, duration
         answer: Array = self._trial[1 if motion is None else 2].copy()
         return answer
 
-    def _to(self, V: float | None) -> list[Step]:
-        """Return the steps of V to that of a step."""
-        if V is None or V == self.V or self.model.changing is None:
-            if self._known[0] != self.V:
-                self._known = self.V, self._loads.rows_at(self.V)
-            return [Step(self._known[1], 1.0, 1.0)]
-        return self._loads.steps(self.V, V, self.top)
-
     @property
-    def _now(self) -> float:
-        """V [N] of the elements at the end of the last trial step."""
-        V = self._conditions[0]
-        return self.V if V is None or self.model.changing is None else V
+    def V(self) -> float:
+        """Committed vertical load [N] of the elements."""
+        return self.past.V
 
     @property
     def marks(self) -> StepMarks:
@@ -154,8 +143,7 @@ class MemoryStepper:
     def _off_load(self, V: float | None) -> bool | None:
         if V is None or self.model.changing is None:
             return load_mark(self.model.vertical, V, self.model.V)
-        swung = self.swung + abs(self._now - self.V) > self.model.changing.swing
-        return bool(swung or not self.model.changing.covers(np.array([V]))[0])
+        return not self.model.changing.covers(np.array([V]))[0]
 
     @property
     def reactions(self) -> Array:
@@ -165,7 +153,7 @@ class MemoryStepper:
         (`pysprings.macro.vertical.VerticalTable.history`). The water's part of p is that after the duration of the
         step; without one, after a step at the rate of the elements. It is NaN where the springs follow V.
         """
-        model, V = self.model, np.array([self._now])
+        model, V = self.model, np.array([self._then.mobilised])
         found = self._loads.mixed(self._by_set(*self._trial[:2]), V)[:, 0] + self._kept()
         if model.table.wet.any():
             found[model.table.wet] = np.nan if self._water is None else self._drained(self._water)[0]
@@ -178,10 +166,11 @@ class MemoryStepper:
 
     def _kept(self) -> Array:
         """Return what vertical reactions and w (rows,) keep from other vertical loads after the last trial step."""
-        if self._now == self.V:
+        loads = self.past.mobilised, self._then.mobilised
+        if loads[0] == loads[1]:
             return self.offset
         rows = self._by_set(self.state, self.motion)
-        left, there = (self._loads.mixed(rows, np.array([V]))[:, 0] for V in (self.V, self._now))
+        left, there = (self._loads.mixed(rows, np.array([V]))[:, 0] for V in loads)
         return self.offset + np.where(self._loads.odd, 0.0, left - there)
 
     def _drained(self, water: Water) -> tuple[Array, Array]:
@@ -214,9 +203,8 @@ class MemoryStepper:
         """
         model, F, K, state = self.model, np.zeros(2), np.zeros((2, 2)), self.state.copy()
         start, end = self.motion * model.to_motion, self._trial[1] * model.to_motion
-        for step in self._steps:
-            relax(self._loads.rows, state, start, step.kept)
-        advance(self._steps[-1].rows, start, end, state, F, K)
+        self._loads.changed(self.past, self._then.V, state, start)
+        advance(self._loads.rows_at(self._then.mobilised), start, end, state, F, K)
         scaled: Array = K * model.to_motion * model.to_motion[:, None]
         return scaled
 
@@ -226,11 +214,9 @@ class MemoryStepper:
         if self._water is not None:
             self.water = self._drained(self._water)[1]
         self.way += self._moved
-        self.offset, self.swung = self._kept(), self.swung + abs(self._now - self.V)
-        self.V, self.top = self._now, max(self.top, self._now)
-        self._known = self.V, self._steps[-1].rows
+        self.offset, self.past = self._kept(), self._then
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()
-        self._conditions, self._steps = (self._conditions[0], None), self._to(None)  # what has drained, or relaxed, has
+        self._conditions = self._conditions[0], None  # what has drained has
 
 
 def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, bool]:

@@ -149,7 +149,7 @@ def _beside(fine: RecordedPath, path: RecordedPath | None) -> Reactions:
     own, other = fine.recorded, path.dataset
     if not has_equal_motion(fine):
         raise NotAlike("a load drives it: both meshes have no equal motion")
-    at, known = _way(fine.dataset, fine.length), _way(other, fine.length)
+    at, known = _way(fine), _way(path)
     flat = str(other.attrs["status"]) == "limit load"
     if at[-1] > known[-1] * (1.0 + _SAME) and not flat:
         raise NotAlike(f"it stopped on the coarser mesh at {100.0 * known[-1] / at[-1]:.0f} % of its way")
@@ -191,22 +191,26 @@ def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -
     return variables.attach(values, variables.EXTRAPOLATED)
 
 
-def _way(path: xr.Dataset, length: float) -> Array:
-    """Return how far a path has come at each step [m], growing; rests of a timed path count by their time.
+def _way(one: RecordedPath) -> Array:
+    """Return how far a path has come at each step [m], growing.
+
+    Rests of a timed path count by their time, and changes of the vertical load that is given by their size.
 
     Raises NotAlike: there is no step; states share a place: a load changes while nothing moves.
     """
+    path = one.dataset
     if path.sizes["step"] < 2:
         raise NotAlike("no step of it converged")
     if direction_of_load(path.attrs) is not None:
-        way = driver_of(path, length)
+        way = driver_of(path, one.length)
     else:
-        sizes = {"u": 1.0, "w": 1.0, "rotation": length}
+        sizes = {"u": 1.0, "w": 1.0, "rotation": one.length}
         holds = PATH_KINDS[str(path.attrs["kind"])].holds
         moved = [sizes[name] * np.abs(np.diff(path[name].values)) for name in holds]
         way = np.concatenate([[0.0], np.cumsum(np.sum(moved, axis=0))])
     time = path["time"].values - path["time"].values[0]
-    way = way + (way[-1] * time / time[-1] if time[-1] > 0.0 else 0.0)
+    loads = np.abs(np.diff(one.given_loads, prepend=one.given_loads[0])).cumsum()
+    way = way + way[-1] * sum(other / other[-1] for other in (time, loads) if other[-1] > 0.0)
     if not (np.diff(way) > _SAME * way[-1]).all():
         raise NotAlike("its load changes while it rests")
     return np.asarray(way)

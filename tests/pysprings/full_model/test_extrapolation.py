@@ -100,6 +100,19 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
 
 
+def test_a_ray_on_which_v_changes_is_extrapolated() -> None:
+    """Springs that remember are fitted to it beside rays that are: V changes while nothing moves, on both meshes."""
+    ray = {"name": "loads", "kind": "translation", "lateral_displacement": 1e-3, "role": "memory",
+           "then": ("V 1.4 MN", "-1 mm", "V 1.2 MN", "1 mm")}  # fmt: skip
+    tree = compute(scene(paths=(ray,))).tree
+    coarse = tree.copy(deep=True)
+    coarse["paths/loads"]["H"] = 1.02 * tree["paths/loads"]["H"]
+    both = extrapolated(tree, Beside(coarse), 0.5)
+    assert not both.not_alike and paths_of(both.tree)["loads"].load_changes
+    own, better = (paths_of(each)["loads"]["H"] for each in (tree, both.tree))
+    np.testing.assert_allclose(better, 0.99 * own, rtol=1e-9)
+
+
 @pytest.mark.parametrize("angle", [-1.0, 0.5 * np.pi])
 def test_a_probe_is_extrapolated_at_equal_conjugate_displacement(angle: float) -> None:
     """Its motions and loads change, the displacement conjugate to its load and the direction of this one do not."""
