@@ -101,8 +101,8 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
 
 
 def test_a_ray_on_which_v_changes_is_extrapolated() -> None:
-    """Springs that remember are fitted to it beside rays that are: V changes while nothing moves, on both meshes."""
-    ray = {"name": "loads", "kind": "translation", "lateral_displacement": 1e-3, "role": "memory",
+    """V changes while nothing moves, on both meshes; springs that remember are fitted to such rays, and to others."""
+    ray = {"name": "loads", "kind": "translation", "lateral_displacement": 1e-3, "role": "held-back",
            "then": ("V 1.4 MN", "-1 mm", "V 1.2 MN", "1 mm")}  # fmt: skip
     tree = compute(scene(paths=(ray,))).tree
     coarse = tree.copy(deep=True)
