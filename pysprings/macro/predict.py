@@ -217,8 +217,9 @@ def sequence(
     care, choice = _parts(asking)
     model = model_of(springs, V=first, **choice)
     at = None if time is None else np.asarray(time, dtype=float)
-    answer = trace(model, control, rows, arm, down if down is not None and down.ndim else first, at)
-    remarks = [*answer.attrs["remarks"], *model.response.sequence_remarks]
+    V_of_rows = down if down is not None and down.ndim else first
+    answer = trace(model, control, rows, arm, V_of_rows, at)
+    remarks = [*answer.attrs["remarks"], *model.response.sequence_remarks(V_of_rows)]
     return _answered(model, answer.assign_attrs(remarks=remarks), care)
 
 

@@ -86,7 +86,7 @@ class Response(Protocol):
     origin : path that gives depths and the state at rest; the first ray of a fan; without states for free curves.
     sources : names of the paths that the springs come from.
     remarks : sentences that go with every answer.
-    curves : what the springs are, in words. sequence_remarks : sentences that go with sequences.
+    curves : what the springs are, in words.
     """
 
     table: SpringTable | FanTable
@@ -94,7 +94,6 @@ class Response(Protocol):
     sources: tuple[str, ...]
     remarks: tuple[str, ...]
     curves: ClassVar[str] = "monotonic backbone, odd, last slope beyond the calibrated range"
-    sequence_remarks: ClassVar[tuple[str, ...]] = (ELASTIC,)
     law: ClassVar[int] = ROWS
 
     # --- each kind of springs has its own ---
@@ -122,6 +121,10 @@ class Response(Protocol):
 
     def provenance(self) -> dict[str, Any]:
         """Return attributes on the paths that the springs come from."""
+
+    def sequence_remarks(self, V: Level = None) -> tuple[str, ...]:
+        """Return sentences that go with sequences under V (n,) [N]."""
+        return (ELASTIC,)
 
     def lasting(self, marks: Marks) -> Marks:
         """Return marks by state (n,) along a way, with the later states that what they mark bears on; here none."""

@@ -194,7 +194,7 @@ def _with_sums(own: xr.Dataset, new: dict[str, tuple[tuple[str, ...], Array]]) -
 def _way(one: RecordedPath) -> Array:
     """Return how far a path has come at each step [m], growing.
 
-    Rests of a timed path count by their time, and changes of the vertical load that is given by their size.
+    Rests of a timed path count by their time, and changes of the vertical load while nothing moves by their size.
 
     Raises NotAlike: there is no step; states share a place: a load changes while nothing moves.
     """
@@ -209,7 +209,8 @@ def _way(one: RecordedPath) -> Array:
         moved = [sizes[name] * np.abs(np.diff(path[name].values)) for name in holds]
         way = np.concatenate([[0.0], np.cumsum(np.sum(moved, axis=0))])
     time = path["time"].values - path["time"].values[0]
-    loads = np.abs(np.diff(one.given_loads, prepend=one.given_loads[0])).cumsum()
+    rests = np.diff(way, prepend=-np.inf) <= _SAME * way[-1]
+    loads = np.cumsum(rests * np.abs(np.diff(one.given_loads, prepend=one.given_loads[0])))
     way = way + way[-1] * sum(other / other[-1] for other in (time, loads) if other[-1] > 0.0)
     if not (np.diff(way) > _SAME * way[-1]).all():
         raise NotAlike("its load changes while it rests")

@@ -113,6 +113,18 @@ def test_a_ray_on_which_v_changes_is_extrapolated() -> None:
     np.testing.assert_allclose(better, 0.99 * own, rtol=1e-9)
 
 
+def test_what_a_solver_leaves_of_no_vertical_load_is_no_change_of_it() -> None:
+    """V of 0 N within 1 N: a couple in clay had three times its moment where that counted as way."""
+    tree = found().tree.copy(deep=True)
+    pull, random = tree["paths/pull"], np.random.default_rng(1)
+    coarse = tree.copy(deep=True)
+    coarse["paths/pull"]["H"] = 1.02 * pull["H"]
+    for each in (pull, coarse["paths/pull"]):
+        each["V"] = pull["V"].copy(data=random.normal(size=pull.sizes["step"]))
+    better = paths_of(extrapolated(tree, Beside(coarse), 0.5).tree)["pull"]["H"]
+    np.testing.assert_allclose(better, 0.99 * pull["H"], rtol=1e-9)
+
+
 @pytest.mark.parametrize("angle", [-1.0, 0.5 * np.pi])
 def test_a_probe_is_extrapolated_at_equal_conjugate_displacement(angle: float) -> None:
     """Its motions and loads change, the displacement conjugate to its load and the direction of this one do not."""

@@ -225,6 +225,7 @@ def test_states_within_the_loads_are_not_marked_and_w_follows_v() -> None:
     """Beyond them they are, from there on; w is that of the vertical springs with a history beside the elements'."""
     answer = sequence(whole(), WAY, control="state", V=V_OF_WAY, extrapolate=True)
     assert not answer["off_load"].any() and answer.attrs["warnings"] == []
+    assert "follow a V that changes: on sequences held back" in answer.attrs["remarks"][-1]
     np.testing.assert_allclose(answer["H"], model().solve("state", WAY, V=V_OF_WAY)[1][:, 0], rtol=1e-12)
     p = model().reactions(WAY, V=V_OF_WAY)[model().table.name == "p"]
     np.testing.assert_allclose(answer["p"], p, rtol=1e-12)
@@ -372,6 +373,7 @@ def test_a_constant_v_of_a_model_at_another_one_is_followed() -> None:
     expected = build_memory(loaded.springs().at(V=V)).solve("state", WAY)[1]
     np.testing.assert_allclose(answer["H"], expected[:, 0], atol=0.01 * np.abs(expected[:, 0]).max())
     assert not answer["off_load"].any() and answer.attrs["warnings"] == []
+    assert "follow a V" not in " ".join(answer.attrs["remarks"])
 
 
 def test_without_vertical_springs_states_that_follow_v_have_no_mark() -> None:
