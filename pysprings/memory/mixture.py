@@ -198,7 +198,7 @@ class ChangingLoad:
             part = min(1.0, done + width) if done + 1.5 * width < 1.0 else 1.0
             trial, aims = states.copy(), np.stack([last, way[0] + part * (way[1] - way[0])])
             now = self._changed(past, V if part == 1.0 else start + part * (V - start), trial, q)
-            before = self._carried(now.mobilised, trial, q)
+            before = carried[1] if now.still else self._carried(now.mobilised, trial, q)
             n, at = follow(self.rows_at(now.mobilised), drive, self.largest, q, trial, aims, found, carried)
             moved = float(np.hypot(*(found[1] - q))) if n == len(aims) else np.inf
             if now.mobilised != now.V and moved > 0.5 * self.largest and width > SHORTEST:

@@ -338,6 +338,9 @@ def test_springs_keep_what_a_changing_v_does_until_their_paths_change(tmp_path, 
     ):
         build_memory(Springs.of(xr.DataTree.from_dict(kept | change, name="springs")).at(V=REST))
         assert len(made) == number
+    monkeypatch.setattr(build, "RENEWED", 0.2)  # of another law
+    build_memory(stored.at(V=REST))
+    assert len(made) == number + 1
 
 
 def test_a_stored_state_goes_on_as_the_stepper_that_it_is_from() -> None:
