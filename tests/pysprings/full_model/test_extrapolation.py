@@ -116,8 +116,7 @@ def test_a_ray_on_which_v_changes_is_extrapolated() -> None:
 def test_what_a_solver_leaves_of_no_vertical_load_is_no_change_of_it() -> None:
     """V of 0 N within 1 N: a couple in clay had three times its moment where that counted as way."""
     tree = found().tree.copy(deep=True)
-    pull, random = tree["paths/pull"], np.random.default_rng(1)
-    coarse = tree.copy(deep=True)
+    pull, coarse, random = tree["paths/pull"], tree.copy(deep=True), np.random.default_rng(1)
     coarse["paths/pull"]["H"] = 1.02 * pull["H"]
     for each in (pull, coarse["paths/pull"]):
         each["V"] = pull["V"].copy(data=random.normal(size=pull.sizes["step"]))
