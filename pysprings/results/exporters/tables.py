@@ -18,6 +18,7 @@ import xarray as xr
 from pysprings.core.arrays import Array, Integers
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
+from pysprings.springs.springs import Springs
 from pysprings.springs.sums import by_depth, displacement_at, net_m
 
 # Column -> variable of a result path. The order is part of the public contract.
@@ -100,7 +101,7 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
     Families: `py` p by side (outside, inside, net) and component (normal, shear, water, total); `mtheta`
     distributed moment m and vertical reaction t by side; `base` forces on the skirt tip; `lid` forces under
     the lid. A vertical path has `tz` (t by side over w) in place of the first two. Each row has the displacements
-    of its place (y, rotation, w); what a family does not have is blank.
+    of its place (y, rotation, w); what a family does not have is blank. Springs of an atlas are net and total alone.
     """
     frames = []
     for name, recorded in paths_of(springs).items():
@@ -110,7 +111,11 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
             family.insert(0, "path", name)
             frames.append(family)
     # integer columns and texts stay what they are; a missing column becomes blank cells
-    return pd.concat([frame.reindex(columns=PY_COLUMNS) for frame in frames], ignore_index=True)
+    table = pd.concat([frame.reindex(columns=PY_COLUMNS) for frame in frames], ignore_index=True)
+    if Springs.of(springs).of_atlas:
+        whole = table["side"].isin(["net"]) & ~table["component"].isin(_COMPONENTS[:-1])
+        table = table[table["side"].isna() | whole].reset_index(drop=True)
+    return table
 
 
 def with_net(array: Array, axis: int) -> Array:

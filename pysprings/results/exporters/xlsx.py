@@ -197,6 +197,9 @@ def plain_names(paths: Iterable[str]) -> dict[str, str]:
     return plain
 
 
+_SIDES_APART = ("outside", "inside")  # words of headings; an atlas has both sides together
+
+
 class Book:
     """A workbook with its formats, and the paths of its springs by name, unconverged steps included."""
 
@@ -207,7 +210,9 @@ class Book:
         self.down = [name for name, path in paths.items() if path.is_vertical]
         self.lateral = [name for name in self.paths if name not in self.down]
         self.plain = plain_names(self.paths)
-        self.recorded = Springs.of(springs).reference.removeprefix("the ")  # what the paths are of
+        given = Springs.of(springs)
+        self.recorded = given.reference.removeprefix("the ")  # what the paths are of
+        self.left_out = _SIDES_APART if given.of_atlas else ()
         self.head = file.add_format(HEAD)
         self.title = file.add_format({"bold": True, "font_size": 13})
         self.number = file.add_format({"num_format": "0.000"})
@@ -252,6 +257,8 @@ class Book:
             zip(first["depth"].values, first["depth_bounds"].values, strict=True)
         ):
             for (heading, name), parts in zip(headings.items(), values, strict=True):
+                if any(side in heading for side in self.left_out):
+                    continue
                 named = f"{name}_{k + 1}" if name else ""
                 label = f"{top:.3f} - {bottom:.3f}"
                 yield Cells(heading, [part[k] for part in parts], round(float(depth), 4), label, named)

@@ -31,6 +31,7 @@ STIFFNESS_LEFT = 0.006  # of the initial stiffness, which is that of one mesh: `
 OF_MESH = "made on one mesh, '{}', whose error the deviations do not have: confirm by a run on a finer mesh"
 _BAND = 1.96
 _N = sum(name.startswith("p") for name in FORCES)
+_TOGETHER = "both sides and all components together, which an atlas does not divide"
 
 
 def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
@@ -131,7 +132,10 @@ def _path(rows: Array, rho: Array, angle: float, coords: xr.Coordinates, V: floa
         "y": (("depth", "step"), u - rotation * depth[:, None]),
         "converged": ("step", np.ones(steps, dtype=np.int8)),
     }  # fmt: skip
-    return xr.Dataset(_described(data), coords, _path_attributes(along, straight))
+    path = xr.Dataset(_described(data), coords, _path_attributes(along, straight))
+    for name in ("p_component", "m", "t"):
+        path[name].attrs["comment"] = f"{path[name].attrs['comment']}; {_TOGETHER}"
+    return path
 
 
 def _described(values: Mapping[str, Any]) -> dict[str, Any]:

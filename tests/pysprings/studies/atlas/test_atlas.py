@@ -91,6 +91,20 @@ def test_no_file_of_an_atlas_calls_its_rays_a_full_model(name, tmp_path):
     assert f"full model: the rays of the atlas {name}, none of this caisson" in to_text(compare(made, "fan"))
 
 
+def test_tables_of_an_atlas_have_no_sides_and_components(atlas, tmp_path):
+    """An atlas has the reactions of both sides together: no table has p inside or the shear of it as 0."""
+    made = springs(atlas, 9.0, 6.0)
+    export(made, "csv", tmp_path / "py.csv"), export(made, "xlsx", tmp_path / "py.xlsx")
+    table = pd.read_csv(tmp_path / "py.csv", low_memory=False)
+    p, m = (table[table["family"] == family] for family in ("py", "mtheta"))
+    assert set(p["side"]) == set(m["side"]) == {"net"} and set(p["component"]) == {"total"}
+    sheets = pd.read_excel(tmp_path / "py.xlsx", sheet_name=["p-y", "m-theta"], header=2)
+    for sheet, name in (("p-y", "p"), ("m-theta", "m")):
+        heads = {head.partition(".")[0] for head in sheets[sheet] if head.startswith(f"{name} ")}
+        assert heads == {"p net [kN/m]" if name == "p" else "m net [kN m/m]"}
+    assert all("both sides" in made["paths/ray_0"][name].attrs["comment"] for name in ("p_component", "m", "t"))
+
+
 def test_springs_with_fewer_states_have_the_deviations_of_those(atlas):
     from pysprings import Springs
 
