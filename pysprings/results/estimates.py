@@ -75,7 +75,7 @@ def write_together(folder: Path, runs: Mapping[str, Run]) -> tuple[list[Path], p
     springs.xlsx; the tables of the runs are joined with a first column `estimate`.
     """
     common = dict(_common(runs))
-    loads, py = pd.DataFrame(_loads(runs, common)), pd.DataFrame(_py(common))
+    loads, py = pd.DataFrame(_loads(runs, common)), pd.DataFrame(_py(runs, common))
     files = [write_frame(loads, folder / "estimates.csv"), write_frame(py, folder / "py_side_by_side.csv")]
     files += [_joined(folder, name, runs) for name in TABLES]
     book = folder / "springs.xlsx"
@@ -119,9 +119,16 @@ def _loads(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
             yield {"part": part, "quantity": f"{rules.load} [{unit}] at {rules.drives} {motion}", **values}
 
 
-def _py(common: Paths) -> Iterator[dict[str, Any]]:
-    """Yield p of each run at equal y, by path and slice of `tip_zone`, up to the y that all reach on one side."""
+def _py(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
+    """Yield p of each run at equal y, by path and slice of `tip_zone`, up to the y that all reach on one side.
+
+    Each row has V [N] at the start of its path in each run, and where water flows the rate of the path [m/s].
+    """
+    own = {each: paths_of(run.result) for each, run in runs.items()}
+    coupled = "coupled" in str(next(iter(runs.values())).result.attrs.get("drainage", "")).split(", ")
     for name, paths in common.items():
+        under = {f"V_{each}_N": own[each][name].load for each in paths}
+        under |= {"rate_m_per_s": next(iter(own.values()))[name].rate} if coupled else {}
         edges = tip_zone(next(iter(paths.values())))
         sliced = {each: on_slices(path, edges) for each, path in paths.items()}
         for k, depth in enumerate(next(iter(sliced.values()))["depth"].values):
@@ -133,9 +140,9 @@ def _py(common: Paths) -> Iterator[dict[str, Any]]:
             side = max(ends, key=lambda side: ends[side])
             for y in np.linspace(0.0, ends[side], POINTS) if ends[side] > LEAST else ():
                 values = {
-                    f"p_{each}_N_per_m": _between(y, *growing(moved(own, side), p)) for each, (own, p) in curves.items()
+                    f"p_{each}_N_per_m": _between(y, *growing(moved(x, side), p)) for each, (x, p) in curves.items()
                 }
-                yield {"path": name, "depth_m": float(depth), "y_m": side * float(y) + 0.0, **values}
+                yield {"path": name, **under, "depth_m": float(depth), "y_m": side * float(y) + 0.0, **values}
 
 
 def _between(at: float, x: Array, values: Array) -> float:

@@ -309,8 +309,12 @@ def least_confirmed(search: Search) -> tuple[Candidate, pd.DataFrame]:
     Where the full model turns further than tolerated, the predictions are multiplied by what was missed, and the
     search goes on.
 
-    Raises RunIncomplete: after `ROUNDS` full models the tolerance is still exceeded, or a load is not reached.
+    Raises UserInputError before the search where a case has no lateral load, and RunIncomplete: after `ROUNDS` full
+    models the tolerance is still exceeded, or a load is not reached.
     """
+    cases = search.wanted.cases.bounded(1.0)  # a torsion alone is bounded by a lateral load, at any radius
+    if without := ", ".join(repr(name) for name, H in zip(cases.name, cases.H, strict=True) if H == 0.0):
+        raise refused("--confirm", f"full models are pulled by a lateral load, and load case {without} has none")
     for _ in range(ROUNDS):
         best = search.least()
         checked = confirmed(search.atlas, search.wanted, best)
@@ -326,7 +330,7 @@ def least_confirmed(search: Search) -> tuple[Candidate, pd.DataFrame]:
 
 
 def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFrame:
-    """Return the load cases by atlas and full model, a row a case with H; runs the full model.
+    """Return the load cases by atlas and full model, a row a case, each with H; runs the full model.
 
     Columns: name, H_N, arm_m, u and rotation by both [m, rad], errors of the atlas [%], their deviations [%], inside
     (both errors within 1.96 deviations), tilt_used by the full model, rotation_mesh_error_pct: the full model's own
@@ -337,17 +341,13 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
     wanted = replace(wanted, cases=wanted.cases.bounded(0.5 * candidate.D))
     cases, expected = wanted.cases, answered(atlas, wanted, candidate.D, candidate.L)
     scene = atlas.scene(candidate.D, candidate.L, wanted.changes)
-    chosen = [k for k in range(len(cases)) if cases.H[k] and expected["answered"][k]]
-    if len(chosen) < len(cases):
-        without = ", ".join(repr(cases.name[k]) for k in range(len(cases)) if k not in chosen)
-        raise refused("--confirm", f"full models are pulled by a lateral load, and load case {without} has none")
     paths = [
         {
             "name": f"case_{k + 1}", "kind": "pull", "arm": float(cases.M[k] / cases.H[k]),
             "lateral_displacement": float(_FURTHER * abs(expected["u"][k])),
             "vertical_load": None if np.isnan(cases.V[k]) else float(cases.V[k]),
         }
-        for k in chosen
+        for k in range(len(cases))
     ]  # fmt: skip
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -356,7 +356,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
         raise KeyboardInterrupt
     record, rows = RunRecord.of(result), []
     estimates = (record.error_estimate or {}).get("by_path", {}) if record is not None else {}
-    for k in chosen:
+    for k in range(len(cases)):
         path = paths_of(result)[f"case_{k + 1}"].recorded
         good = path["converged"].values == 1
         H, u, turn = (np.abs(path[name].values[good]) for name in ("H", "u", "rotation"))

@@ -127,6 +127,8 @@ def test_loads_at_equal_motion_do_not_depend_on_the_steps_of_a_run(tmp_path: Pat
     assert "Storm" in page and "estimate)" not in page and "N 12" not in page  # that of one of them
     assert (loads["low"] / loads["best"]).to_numpy() == pytest.approx(np.ones(len(loads)), abs=0.005)
     py = pd.read_csv(tmp_path / "py_side_by_side.csv")
+    V = py.groupby("path")[["V_low_N", "V_best_N"]].agg(["min", "max"])
+    assert (V.loc["pull"] == 2e6).all() and (V.loc["pull_load_1"] == 4e6).all()
     apart = (py["p_low_N_per_m"] - py["p_best_N_per_m"]).abs().max()
     assert apart < 0.005 * py["p_best_N_per_m"].abs().max()
 

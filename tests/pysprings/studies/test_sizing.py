@@ -216,6 +216,16 @@ def test_remarks_name_the_vertical_load_that_cases_do_not_give_and_what_is_not_j
     assert remarks_on(replace(loaded, tried=[]), inside, False) == []
 
 
+def test_a_moment_alone_is_refused_before_the_search(search, tmp_path):
+    """Full models are pulled by H. A torsion alone has a bound with an H."""
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],M [MN m],T [MN m]\nturned,0,5,0\ntwisted,0,0,1\n", encoding="utf-8")
+    apart = replace(search, wanted=replace(search.wanted, cases=read_load_cases(file)), tried=[])
+    with pytest.raises(UserInputError, match="load case 'turned' has none"):
+        least_confirmed(apart)
+    assert apart.tried == []
+
+
 def test_a_size_that_is_given_is_no_size_to_be_found(search):
     """It had no effect, and no message."""
     own = (*search.wanted.changes, *read_changes(["caisson.outer_diameter=4 m"]))
