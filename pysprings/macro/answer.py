@@ -191,6 +191,7 @@ def _attributes(
         | model.response.provenance()
         | {"control": way.control}
         | ({} if way.arm is None else {"arm_m": way.arm})
+        | ({} if model.rate is None else {"rate_m_per_s": model.rate})
         | (limit.attributes() if limit else {})
         | {"status": "partial" if message else "complete", "message": message}
         | {

@@ -103,6 +103,8 @@ def answer_cases(
     frame["capacity_V_N"], frame["capacity_V_kind"] = _values(answers, "capacity_V", len(cases)), kinds
     frame["range_used"] = answers["range_used"].values
     frame["mesh_error_pct"] = _values(answers, "mesh_error_pct", len(cases))
+    if "rate_m_per_s" in answers.attrs:
+        frame["rate_m_per_s"] = answers.attrs["rate_m_per_s"]
     frame["answered"] = answers["answered"].values.astype(int)
     frame["marks"] = _marks(answers, frame)
     frame["remarks"] = list(cases.notes)

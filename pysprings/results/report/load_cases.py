@@ -126,6 +126,7 @@ COLUMNS = (
     Column("M [kN m]", "M_Nm", factor=KN),
     Column("V [kN]", "V_N", factor=KN),
     Column("nearest V of springs [kN]", "V_springs_N", factor=KN, brief=False),
+    Column("springs at [mm/s]", "rate_m_per_s", factor=MM, brief=False),
     Column("u [mm]", "u_m", factor=MM),
     Column("deviation of u [mm]", "u_deviation_m", factor=MM, brief=False),
     Column("w [mm]", "w_m", factor=MM, brief=False),

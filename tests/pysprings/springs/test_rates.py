@@ -239,6 +239,7 @@ def test_load_cases_are_answered_at_a_rate(tmp_path: Path) -> None:
         for rate in ("1 mm/s", "0.01 mm/s")
     )
     assert fast[0]["u_m"] < slow[0]["u_m"]
+    assert [{row["rate_m_per_s"] for row in rows} for rows in (fast, slow)] == [{1e-3}, {1e-5}]
     words = "V carried by vertical springs of another rate"
     assert [words in row["marks"] for row in fast] == [False, True, True] and words not in str(slow)
     assert (fast[2]["verdict"], slow[2]["verdict"]) == ("supported in part", "ok")
