@@ -46,7 +46,9 @@ class Column:
             return "" if given is None else str(given)
         if given is None or (not isinstance(given, list | tuple) and math.isnan(given)):
             return None
-        return float(given) * self.factor + 0.0 if isinstance(given, float) or self.factor != 1.0 else given
+        if not isinstance(given, float) and self.factor == 1.0:
+            return given
+        return float(f"{given * self.factor:.12g}") + 0.0  # 2000, not 1999.9999999997: a factor's rounding
 
     def cell(self, row: Row) -> str:
         """Return the cell of a row as text; "-" where there is no number."""

@@ -26,6 +26,7 @@ from pysprings.core.text import is_formula
 from pysprings.core.units import quoted
 from pysprings.core.words import ESTIMATES
 from pysprings.scene.changes import OPTION, Change
+from pysprings.scene.defaults import implausible
 from pysprings.scene.load import SceneText
 from pysprings.scene.model import Scene
 
@@ -134,6 +135,18 @@ class Plan:
         if problems:
             raise UserInputError(sorted(problems.values(), key=lambda each: each.line or 0))
         return names
+
+    def remarks(self) -> list[str]:
+        """Return a sentence for each value beyond its common range, at the first case with that value of its axis."""
+        seen, found = set[tuple[int, Value]](), dict[str, str]()
+        for case in self.cases:
+            own = set(enumerate(case.values))
+            if own <= seen:
+                continue
+            seen |= own
+            for text in implausible(self.scene_of(case)):
+                found.setdefault(text, case.id)
+        return [f"case {number}: {text}" for text, number in found.items()]
 
     def _formulas(self, case: Case) -> list[Problem]:
         """Return a problem for each text of a case that a spreadsheet would take for a formula: cases.csv holds it."""

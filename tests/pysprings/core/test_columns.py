@@ -33,6 +33,7 @@ def test_cells(column: Column, cells: list[str]) -> None:
 def test_values_are_in_the_unit_of_the_heading() -> None:
     column = Column("H [MN]", "H", factor=1e-6, brief=False)
     assert [column.value(row) for row in ROWS] == [12.345678, None]
+    assert Column("H [kN]", "H", factor=1e-3).value({"H": 1999999.9999999998}) == 2000.0  # of 2 MN in a workbook
     assert str(Column("x", "x").value({"x": -0.0})) == "0.0"
     assert filled([column], ROWS, brief=True) == []
 

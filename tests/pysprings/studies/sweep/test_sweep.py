@@ -322,6 +322,18 @@ def test_a_tornado_has_a_bar_for_each_range_the_longest_on_top(ended, tmp_path):
             draw(stopped, "K_H")
 
 
+def test_values_beyond_their_common_range_are_named_before_a_case_runs(tmp_path):
+    """Once each, at the first case that has one: a unit that slipped is seen in the plan."""
+    make(tmp_path, TEXT.replace('"200 MPa"', '"200 GPa"').replace("0.5]", "5.0]"))
+    out = command("sweep", tmp_path / "study.toml", "--out", tmp_path / "out", "--plan").out
+    notes = [line for line in out.splitlines() if line.startswith("note: ")]
+    beyond = [line for line in notes if "outside the common range" in line]
+    assert [line.split(":")[1:3] for line in beyond] == [
+        [" case 00002", " interface.friction_coefficient"], [" case 00003", " layer 'soil'"],
+    ]  # fmt: skip
+    assert "1000 times too large? 200 MPa is inside" in beyond[1]
+
+
 def test_edits_of_cases_csv_count(ended, tmp_path):
     plan = make(tmp_path)
     out = tmp_path / "out"
