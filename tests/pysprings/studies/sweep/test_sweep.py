@@ -331,7 +331,7 @@ def test_values_beyond_their_common_range_are_named_before_a_case_runs(tmp_path)
     assert [line.split(":")[1:3] for line in beyond] == [
         [" case 00002", " interface.friction_coefficient"], [" case 00003", " layer 'soil'"],
     ]  # fmt: skip
-    assert "1000 times too large? 200 MPa is inside" in beyond[1]
+    assert "1000 times too large?" in beyond[1]
 
 
 def test_edits_of_cases_csv_count(ended, tmp_path):
