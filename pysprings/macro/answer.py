@@ -198,7 +198,7 @@ def _attributes(
             "warnings": [*support.notes, *turned.notes(), *down.notes, *edge, *way.along.notes],
             "beyond_range": outside + down.beyond,
         }
-        | {"remarks": list(model.remarks), "path_end": _ends(model), "balance": model.balance}
+        | {"remarks": [*model.remarks, *down.remarks], "path_end": _ends(model), "balance": model.balance}
         | {"refusals": [f"{text}{carried}" for text in refusals]}
     )
 

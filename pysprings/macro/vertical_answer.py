@@ -25,6 +25,7 @@ from pysprings.springs.path import SpringPath, off_rate
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 OTHER_RATE = "V is carried by vertical springs of another rate"
+UNLOADED = "w under a smaller V is that after {:.5g} MN, the V at rest: of a caisson that carried no more it is less"
 # A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
 SLACK = 1e-6
 
@@ -34,7 +35,7 @@ class Down:
     """w, V and marks by step (none for springs from a table), tangent dV/dw and range used (n,), words.
 
     used is inf where an elastic stiffness answers beyond the loads that it may. beyond: sentences on V beyond the
-    calibrated range; message: no w carries V, and w is that of the end of the curve then.
+    calibrated range; message: no w carries V, and w is that of the end of the curve then. remarks: what w belongs to.
     """
 
     values: dict[str, Array] = field(default_factory=dict)
@@ -43,6 +44,7 @@ class Down:
     notes: list[str] = field(default_factory=list)
     beyond: list[str] = field(default_factory=list)
     message: str = ""
+    remarks: list[str] = field(default_factory=list)
 
 
 class Carrier(Protocol):
@@ -120,6 +122,7 @@ def vertical_answer(
         + [OTHER_RATE] * any(marks.any() for marks in timed.values()),
         beyond_springs(model, down, alone),
         no_equilibrium(model, down[np.isnan(alone)]),
+        [UNLOADED.format(1e-6 * rest)] * bool(model.vertical.rest[0] > 0.0 and (down < np.fmin(own, rest))[other].any()),
     )
 
 

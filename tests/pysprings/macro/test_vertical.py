@@ -66,6 +66,15 @@ def test_the_error_of_the_mesh_is_that_of_the_path_that_carries_the_load():
     assert way_to_load(tree, V=float(V[0]))["mesh_error_pct"].values[-1] == pytest.approx(expected[0])
 
 
+def test_w_under_less_than_the_load_at_rest_is_named_as_that_of_unloading():
+    """Where the dead load has settled the caisson, that is; w counts from that state where the load is balanced."""
+    tree = vertical_springs()
+    for settled, V, named in ((0.0, 0.5, False), (8e-3, 0.5, True), (0.0, 1.5, False), (0.0, 1.0, False)):
+        for path in tree["paths"].children.values():
+            path.dataset = path.to_dataset().assign(w=path["w"] + settled)
+        assert ("after 2 MN, the V at rest" in str(way_to_load(tree, V=V * REST).attrs["remarks"])) == named
+
+
 def test_between_the_recorded_states_it_is_the_curve():
     """The closed form between 25 states: within 0.1 % of w, both ways; V ramps from the state at rest."""
     for w in (3.3e-3, -2.1e-3):
