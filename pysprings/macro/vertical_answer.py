@@ -110,6 +110,7 @@ def vertical_answer(
         )
     there = response.settle(model.vertical, down)
     used, alone, timed = there[2], there[-1], _other_rate(model, down, other)
+    unloaded = other & (down < np.fmin(own, rest))
     carried = {"converged": (~np.isnan(alone)).astype(np.int8)}
     return Down(
         marks | timed | carried | {"w": w + there[0] - model.vertical.displacements(V)[0]},
@@ -122,7 +123,7 @@ def vertical_answer(
         + [OTHER_RATE] * any(marks.any() for marks in timed.values()),
         beyond_springs(model, down, alone),
         no_equilibrium(model, down[np.isnan(alone)]),
-        [UNLOADED.format(1e-6 * rest)] * bool(model.vertical.rest[0] > 0.0 and (down < np.fmin(own, rest))[other].any()),
+        [UNLOADED.format(1e-6 * rest)] * bool(unloaded.any() and model.vertical.rest[0] > 0.0),
     )
 
 
