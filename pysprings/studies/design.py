@@ -95,12 +95,7 @@ def answer_cases(
             frame[column] = answers[name].values
     turn = frame["rotation_rad"].abs().to_numpy()
     frame = pd.concat([with_tilt(frame, turn, springs, cases, tilt), _stiffness(answers, frame)], axis=1)
-    frame["utilisation"] = answers["utilisation"].values
-    frame["utilisation_V"] = _values(answers, "utilisation_V", len(cases))
-    frame["H_capacity_N"], frame["M_capacity_Nm"] = answers["capacity_H"].values, answers["capacity_M"].values
-    frame["capacity_kind"] = [str(text) for text in answers["capacity_kind"].values]
-    kinds = answers["capacity_V_kind"].values if "capacity_V_kind" in answers else [""] * len(cases)
-    frame["capacity_V_N"], frame["capacity_V_kind"] = _values(answers, "capacity_V", len(cases)), kinds
+    frame = _with_capacity(frame, answers)
     frame["range_used"] = answers["range_used"].values
     frame["mesh_error_pct"] = _values(answers, "mesh_error_pct", len(cases))
     if "rate_m_per_s" in answers.attrs:
@@ -220,6 +215,18 @@ def _stiffness(answers: xr.Dataset, frame: pd.DataFrame) -> pd.DataFrame:
         if row in dofs and column in dofs:
             out[name] = answers["stiffness"].values[:, dofs.index(row), dofs.index(column)]
     return out
+
+
+def _with_capacity(frame: pd.DataFrame, answers: xr.Dataset) -> pd.DataFrame:
+    """Return answers with the largest known loads of each case and the shares of them that are used."""
+    n = len(frame)
+    kinds = answers["capacity_V_kind"].values if "capacity_V_kind" in answers else [""] * n
+    return frame.assign(
+        utilisation=answers["utilisation"].values, utilisation_V=_values(answers, "utilisation_V", n),
+        H_capacity_N=answers["capacity_H"].values, M_capacity_Nm=answers["capacity_M"].values,
+        capacity_kind=[str(text) for text in answers["capacity_kind"].values],
+        capacity_V_N=_values(answers, "capacity_V", n), capacity_V_kind=kinds,
+    )  # fmt: skip
 
 
 def _marks(answers: xr.Dataset, frame: pd.DataFrame) -> list[str]:
