@@ -110,7 +110,6 @@ def vertical_answer(
         )
     there = response.settle(model.vertical, down)
     used, alone, timed = there[2], there[-1], _other_rate(model, down, other)
-    unloaded = other & (down < np.fmin(own, rest))
     carried = {"converged": (~np.isnan(alone)).astype(np.int8)}
     return Down(
         marks | timed | carried | {"w": w + there[0] - model.vertical.displacements(V)[0]},
@@ -123,8 +122,14 @@ def vertical_answer(
         + [OTHER_RATE] * any(marks.any() for marks in timed.values()),
         beyond_springs(model, down, alone),
         no_equilibrium(model, down[np.isnan(alone)]),
-        [UNLOADED.format(1e-6 * rest)] * bool(unloaded.any() and model.vertical.rest[0] > 0.0),
+        _unloaded(model.vertical, (down < own) & other, down),
     )
+
+
+def _unloaded(table: VerticalTable, less: Marks, V: Array) -> list[str]:
+    """Return a sentence on w where V (n,) [N] is less than at rest, and than that of the springs (marks)."""
+    w, rest = table.rest
+    return [UNLOADED.format(1e-6 * rest)] if w > 0.0 and (less & (rest > V)).any() else []
 
 
 def _other_rate(model: MacroModel, V: Array, other: Marks | bool) -> dict[str, Any]:
