@@ -127,7 +127,7 @@ def _py(runs: Mapping[str, Run], common: Paths) -> Iterator[dict[str, Any]]:
     own = {each: paths_of(run.result) for each, run in runs.items()}
     coupled = "coupled" in str(next(iter(runs.values())).result.attrs.get("drainage", "")).split(", ")
     for name, paths in common.items():
-        under = {f"V_{each}_N": own[each][name].load for each in paths}
+        under: dict[str, float | None] = {f"V_{each}_N": own[each][name].load for each in paths}
         under |= {"rate_m_per_s": next(iter(own.values()))[name].rate} if coupled else {}
         edges = tip_zone(next(iter(paths.values())))
         sliced = {each: on_slices(path, edges) for each, path in paths.items()}
