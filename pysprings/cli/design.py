@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pysprings.cli.folders import refuse_read
+from pysprings.cli.folders import all_folders_of, folders_of, refuse_read
 from pysprings.cli.options import Json, Rate, SpringSet, argument, option
 from pysprings.cli.support import print_json, print_table, quantities, refuse
 
@@ -147,7 +147,6 @@ def _print(table: pd.DataFrame, written: list[str]) -> None:
 def cases_of(result: Path) -> Path:
     """Return the table that the scene of a run names."""
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.estimates import folders_of
     from pysprings.scene.load import parse_scene
 
     record = RunRecord.read(next(iter(folders_of(result).values()), result))
@@ -165,7 +164,6 @@ def _answers(
     """Return all answers, those that govern (of several estimates the largest over them), and the springs of one."""
     from pysprings.cli.inputs import springs_or_table
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.estimates import all_folders_of
     from pysprings.studies.design import governing
 
     sets = all_folders_of(result)

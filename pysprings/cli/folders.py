@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
-from pysprings.core.words import ESTIMATES
+from pysprings.core.words import ESTIMATES, OF_ESTIMATE
 from pysprings.core.written import exclusive, is_unfinished, new_folder, scene_of_holder
 
 if TYPE_CHECKING:
@@ -119,11 +119,43 @@ def ready_to_run(scene: Path, folder: Path) -> None:
         refuse("--out", "holds one run: choose another folder for several estimates", folder)
 
 
+def folders_of(folder: Path) -> dict[str, Path]:
+    """Return the folders of runs by estimate that a folder holds; none of a folder of one run."""
+    if (folder / "run.json").exists():
+        return {}
+    return {name: folder / name for name in ESTIMATES if (folder / name / "springs.nc").exists()}
+
+
+def refuse_other(folder: Path, title: str) -> None:
+    """Refuse springs in the folder of one estimate whose title names another one: they were copied there."""
+    if folder.name in ESTIMATES and OF_ESTIMATE.format(folder.name) not in title:
+        for other in (each for each in ESTIMATES if OF_ESTIMATE.format(each) in title):
+            refuse(None, f"springs.nc is that of the {other} estimate: {title}", folder)
+
+
+def all_folders_of(folder: Path) -> dict[str, Path]:
+    """Return the folders of runs by estimate as `folders_of` does; refuse those that are not of one scene.
+
+    Raises UserInputError: one has no springs, or ran with other values: the largest over the estimates is not known.
+    """
+    from pysprings.full_model.run_record import RunRecord
+
+    found = folders_of(folder)
+    lost = [name for name in ESTIMATES if found and name not in found and (folder / name).is_dir()]
+    if lost:
+        refuse(None, f"estimate {', '.join(lost)} has no springs.nc: its run has not ended", folder)
+    records = {name: record for name, place in found.items() if (record := RunRecord.read(place))}
+    if len({record.ranges_sha256 for record in records.values()}) > 1:
+        ran = ", ".join(f"{name} ran {record.started_utc or 'at a time not known'}" for name, record in records.items())
+        refuse(None, f"the estimates are those of different scenes ({ran}): run all of one scene", folder)
+    return found
+
+
 def show_together(folder: Path, estimates: Sequence[str], as_json: bool, quiet: bool) -> None:
     """Write and print what shows the runs side by side; nothing is made of fewer than two with springs."""
     from pysprings.cli.compare import open_run
     from pysprings.cli.results import results
-    from pysprings.results.estimates import folders_of, table_of, write_together
+    from pysprings.results.estimates import table_of, write_together
 
     files: list[Path] = []
     runs = {name: open_run(place, name) for name, place in folders_of(folder).items() if name in estimates}

@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pysprings.cli.folders import folders_of, refuse_other
 from pysprings.cli.support import refuse, to_stderr
 from pysprings.core.errors import PyspringsError
 from pysprings.core.written import is_unfinished
@@ -83,8 +84,6 @@ def read_springs(result: Path) -> xr.DataTree:
         refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
     tree = read_tree(path)
     if result.is_dir():
-        from pysprings.results.estimates import refuse_other
-
         refuse_other(result, str(tree.attrs.get("title", "")))
     if "section" in tree.children and "scene_toml" in tree.attrs:
         from pysprings.results.layout import open_result
@@ -97,8 +96,6 @@ def read_springs(result: Path) -> xr.DataTree:
 
 def refuse_estimates(result: Path) -> None:
     """Refuse the common folder of several estimates where one run is needed."""
-    from pysprings.results.estimates import folders_of
-
     if found := folders_of(result):
         refuse(None, f"holds the estimates {', '.join(found)}: name the folder of one of them", result)
 

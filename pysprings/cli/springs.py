@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, NoReturn
 
-from pysprings.cli.folders import refuse_no_folder, refuse_read
+from pysprings.cli.folders import all_folders_of, refuse_no_folder, refuse_read
 from pysprings.cli.inputs import refuse_unfinished, springs_of
 from pysprings.cli.options import Json, Rate, Result, argument, named, option
 from pysprings.cli.support import refuse, to_stderr
@@ -89,8 +89,6 @@ def export(
     ] = None,
 ) -> None:
     """Write files for other programs, a folder for each estimate. ParaView files need [output] paraview = true."""
-    from pysprings.results.estimates import all_folders_of
-
     exporter = EXPORTERS.find(to, "--to") if to else _refuse_no_target()
     options = _export_options(option or [])
     exporters.read_options(exporter, options)

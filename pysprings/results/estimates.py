@@ -12,7 +12,6 @@ import pandas as pd
 
 from pysprings.core.arrays import Array
 from pysprings.core.columns import Table
-from pysprings.core.errors import refused
 from pysprings.core.path_kinds import kind_of
 from pysprings.core.storage import replacing, write_text
 from pysprings.core.text import number
@@ -34,36 +33,6 @@ SHARES = (0.1, 0.3, 1.0)  # of the motion that all runs reach, where loads are c
 TABLES = ("load_displacement.csv", "py.csv")  # of each run, which become one with a column more
 POINTS, LEAST = 12, 1.0e-6  # points of a p-y curve side by side, and its least range [m]: vertical paths have none
 _STIFFNESS = (("K_H [MN/m]", 0, 0), ("K_V [MN/m]", 1, 1), ("K_M [MN m/rad]", 2, 2))
-
-
-def folders_of(folder: Path) -> dict[str, Path]:
-    """Return the folders of runs by estimate that a folder holds; none of a folder of one run."""
-    if (folder / "run.json").exists():
-        return {}
-    return {name: folder / name for name in ESTIMATES if (folder / name / "springs.nc").exists()}
-
-
-def refuse_other(folder: Path, title: str) -> None:
-    """Refuse springs in the folder of one estimate whose title names another one: they were copied there."""
-    if folder.name in ESTIMATES and OF_ESTIMATE.format(folder.name) not in title:
-        for other in (each for each in ESTIMATES if OF_ESTIMATE.format(each) in title):
-            raise refused(None, f"springs.nc is that of the {other} estimate: {title}", folder)
-
-
-def all_folders_of(folder: Path) -> dict[str, Path]:
-    """Return the folders of runs by estimate as `folders_of` does; refuse those that are not of one scene.
-
-    Raises UserInputError: one has no springs, or ran with other values: the largest over the estimates is not known.
-    """
-    found = folders_of(folder)
-    lost = [name for name in ESTIMATES if found and name not in found and (folder / name).is_dir()]
-    if lost:
-        raise refused(None, f"estimate {', '.join(lost)} has no springs.nc: its run has not ended", folder)
-    records = {name: record for name, place in found.items() if (record := RunRecord.read(place))}
-    if len({record.ranges_sha256 for record in records.values()}) > 1:
-        ran = ", ".join(f"{name} ran {record.started_utc or 'at a time not known'}" for name, record in records.items())
-        raise refused(None, f"the estimates are those of different scenes ({ran}): run all of one scene", folder)
-    return found
 
 
 def write_together(folder: Path, runs: Mapping[str, Run]) -> tuple[list[Path], pd.DataFrame]:
