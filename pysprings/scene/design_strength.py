@@ -10,7 +10,7 @@ stress stays: K0 = "auto" is that of the friction angle before.
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 from pysprings.core.errors import Problem, UserInputError
@@ -35,22 +35,27 @@ class StrengthFactors:
 
     @classmethod
     def read(cls, texts: Iterable[str]) -> Self:
-        """Read factors: "1.25" for all, "su=1.4" for one. Raises UserInputError for every text that is none."""
-        factors, problems = cls(), []
+        """Read factors: "1.25" for all but those that have one of their own, "su=1.4", in any order.
+
+        Raises UserInputError for every text that is none, and for a second factor of the same.
+        """
+        found, problems = dict[str, float](), []
         for text in texts:
             name, _, number = text.rpartition("=")
-            names = [name.strip()] if name else list(NAMES)
+            name = name.strip()
             try:
                 value = float(number)
             except ValueError:
                 value = math.nan
-            if not 1.0 <= value <= LARGEST or not set(names) <= set(NAMES):
+            if not 1.0 <= value <= LARGEST or name not in ("", *NAMES):
                 problems.append(Problem(key="--factor", message=f"{quoted(text)}: {_EXPECTED}"))
-                continue
-            factors = replace(factors, **dict.fromkeys(names, value))
+            elif name in found:
+                problems.append(Problem(key="--factor", message=f"{quoted(text)}: a second factor of {name or 'all'}"))
+            else:
+                found[name] = value
         if problems:
             raise UserInputError(problems)
-        return factors
+        return cls(**{name: found.get(name, found.get("", 1.0)) for name in NAMES})
 
     def __str__(self) -> str:
         return ", ".join(f"{words}/{getattr(self, name):g}" for name, words in NAMES.items())

@@ -77,7 +77,13 @@ def test_the_initial_stress_stays_that_of_the_friction_angle_before() -> None:
 def test_factors_are_read() -> None:
     assert StrengthFactors.read([]) == StrengthFactors()
     assert StrengthFactors.read(["1.25"]) == StrengthFactors(1.25, 1.25, 1.25)
-    assert StrengthFactors.read(["1.25", "su=1.4"]) == StrengthFactors(1.25, 1.25, 1.4)
+    for texts in (["1.25", "su=1.4"], ["su=1.4", "1.25"]):
+        assert StrengthFactors.read(texts) == StrengthFactors(1.25, 1.25, 1.4), "the order does not count"
+    with pytest.raises(UserInputError) as caught:
+        StrengthFactors.read(["su=1.4", "1.25", "su=1.2", "1.3"])
+    assert [problem.message.partition(": ")[2] for problem in caught.value.problems] == [
+        "a second factor of su", "a second factor of all"
+    ]  # fmt: skip
     with pytest.raises(UserInputError) as caught:
         StrengthFactors.read(["0.8", "phi=1.2", "su=x", "6"])
     assert len(caught.value.problems) == 4
