@@ -129,7 +129,11 @@ def _export_options(given: list[str]) -> dict[str, str]:
     for name, sign, _ in pairs:
         if not sign or not name:
             refuse("--option", f"'{name}' is not NAME=VALUE")
-    return {name.strip(): value.strip() for name, _, value in pairs}
+    values = {name.strip(): value.strip() for name, _, value in pairs}
+    if len(values) < len(pairs):
+        names = [name.strip() for name, *_ in pairs]
+        refuse("--option", f"'{max(names, key=names.count)}' is given twice: one value is needed")
+    return values
 
 
 def _export_source(result: Path, exporter: exporters.Exporter) -> exporters.Source:

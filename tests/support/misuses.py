@@ -134,6 +134,7 @@ FILES = (
         "no nonlinear foundation: it needs a fan",
         WARNED,
     ),
+    _m("option of an export twice", "export one.nc --to openfast --option V=1MN --option V=2MN", "'V' is given twice"),
     _m("option of an export without a value", "export one.nc --to openfast --option x", "is not NAME=VALUE"),
 )
 SCENES = (
