@@ -96,7 +96,7 @@ def _rays(
             suffix = _suffix(number, pace)
             for angle in angles:
                 yield {
-                    "name": _ray_name(angle) + suffix, **_motion(springs.reach, angle, caisson), "vertical_load": load,
+                    "name": ray_name(angle) + suffix, **_motion(springs.reach, angle, caisson), "vertical_load": load,
                     "duration": None if rate is None else springs.reach / rate,
                 }  # fmt: skip
 
@@ -122,7 +122,7 @@ def _reversed(springs: Springs, caisson: Caisson, rates: tuple[float | None, ...
         motion = _motion(TURNS[0] * springs.reach, angle, caisson)
         first = motion[PATH_KINDS[motion["kind"]].imposed]
         yield {
-            "name": f"{_ray_name(angle)}_reversed{_suffix(number, pace)}", **motion,
+            "name": f"{ray_name(angle)}_reversed{_suffix(number, pace)}", **motion,
             "role": MEMORY, "duration": times[0], "vertical_load": load,
             "then": tuple(Then(first * end / TURNS[0], time=t) for end, t in zip(TURNS[1:], times[1:], strict=True)),
         }  # fmt: skip
@@ -143,7 +143,7 @@ def _changing(springs: Springs, caisson: Caisson) -> Iterator[dict[str, Any]]:
         motion = _motion(CHANGING * springs.reach, angle, caisson)
         first = motion[PATH_KINDS[motion["kind"]].imposed]
         yield {
-            "name": f"{_ray_name(angle)}_loads", **motion, "role": MEMORY,
+            "name": f"{ray_name(angle)}_loads", **motion, "role": MEMORY,
             "then": tuple(
                 part for load, end in ((most, -first), (0.5 * (rest + most), first), (most, -first))
                 for part in (Then(None, load=load), Then(end))
@@ -156,7 +156,8 @@ def _suffix(number: int, pace: int) -> str:
     return (f"_load_{number}" if number else "") + (f"_rate_{pace}" if pace else "")
 
 
-def _ray_name(angle: float) -> str:
+def ray_name(angle: float) -> str:
+    """Return the name of a ray of an angle [deg]."""
     return f"ray_{'minus_' if angle < 0 else ''}{abs(angle):g}".replace(".", "_")
 
 

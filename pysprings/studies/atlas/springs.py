@@ -15,6 +15,7 @@ from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.version import __version__
 from pysprings.scene.defaults import implausible
+from pysprings.scene.fan import ray_name
 from pysprings.scene.model import Scene
 from pysprings.springs.checks import SCHEMA
 from pysprings.springs.springs import SPREAD
@@ -43,14 +44,15 @@ def spring_tree(atlas: Atlas, scene: Scene, estimate: Estimate) -> xr.DataTree:
     rho = np.concatenate([[0.0], knots * D / sizes.ratio])
     values = _at_rest(_physical(_between(atlas.X, estimate.values, knots), knots, sizes.force, L, D / sizes.ratio))
     modes = _at_rest(_physical(_between(atlas.X, estimate.modes, knots), knots, sizes.force, L, D / sizes.ratio))
-    V = _vertical_load(scene)
+    given = scene.caisson.vertical_load
+    V = 0.0 if isinstance(given, str) else float(given)  # balanced: 0 in a bonded or unloaded ground
     rest = _between(atlas.X, atlas.factor * atlas.rest, knots) * share(knots) * sizes.force
     modes = np.concatenate([modes, _left(rest, L)])
     values, modes, angles = between(values, modes, _action(L), atlas.angles, rho)
     part = np.append(0.0, share(knots))
     own_modes = [atlas.fan[0] * part * values, np.append(0.0, np.full(knots.shape, MESH_LEFT / _BAND)) * values]
     modes = np.concatenate([modes, own_modes])
-    names = [_name(float(angle)) for angle in angles]
+    names = [ray_name(round(float(np.degrees(angle)), 1)) for angle in angles]
     coords = _coordinates(L, rho.size)
     paths = {
         f"/paths/{name}": _path(values[k], rho, float(angle), coords, V, estimate.settled)
@@ -85,12 +87,6 @@ def _physical(values: Array, knots: Array, force: float, L: float, stretch: floa
 def _at_rest(rows: Array) -> Array:
     """Return rows with a state at rest in front."""
     return np.concatenate([np.zeros((*rows.shape[:-1], 1)), rows], axis=-1)
-
-
-def _vertical_load(scene: Scene) -> float:
-    """Return the vertical load [N]; of the balanced one, which a bonded or unloaded ground has at rest, 0."""
-    V = scene.caisson.vertical_load
-    return 0.0 if isinstance(V, str) else float(V)
 
 
 def _coordinates(L: float, steps: int) -> xr.Coordinates:
@@ -191,12 +187,6 @@ def _action(L: float) -> Array:
     pairs = {f"p{k}": (1.0, -float(middle[k])) for k in range(_N)}
     pairs |= {"H_tip": (1.0, -1.0), "H_lid": (1.0, 0.0)} | {name: (0.0, 1.0 / L) for name in MOMENTS}
     return np.array([pairs.get(name, (0.0, 0.0)) for name in ROWS])
-
-
-def _name(angle: float) -> str:
-    """Return the name of a ray, as those of a fan have it."""
-    degrees = round(float(np.degrees(angle)), 1)
-    return f"ray_{'minus_' if degrees < 0 else ''}{abs(degrees):g}".replace(".", "_")
 
 
 def _spread(names: list[str], modes: Array, rho: Array, turn: Array, L: float) -> xr.Dataset:

@@ -14,6 +14,7 @@ from typing import Any
 
 from pysprings.core.errors import refused
 from pysprings.scene.design_strength import StrengthFactors, with_design_strength
+from pysprings.scene.fan import ray_name
 from pysprings.scene.model import Scene
 
 CHARACTERISTIC, DESIGN = "characteristic", "design"
@@ -89,11 +90,6 @@ class Group:
         path = {"name": PROBE, "kind": PROBE, "load_angle": a, "lateral_displacement": reach, "role": "held-back"}
         return self._with_paths([path | ({"torsion_angle": b} if b else {})])
 
-    @property
-    def rays_name(self) -> str:
-        """Name of the run that makes the springs."""
-        return f"{self.name}-rays"
-
     def rays(self) -> Scene:
         """Return the scene with the rays that the springs are made from."""
         length = self.scene.caisson.skirt_length
@@ -101,19 +97,16 @@ class Group:
         paths = []
         for before, degree, behind in zip(degrees, degrees[1:], degrees[2:], strict=False):
             angle = math.radians(degree)
-            rho = self._reach_of_ray(math.radians(before), math.radians(behind))
+            low, high = math.radians(before), math.radians(behind)  # no state at the limit between them is further
+            rho = _SPARE * max(self._limit(low + (high - low) * k / (_BETWEEN - 1)) for k in range(_BETWEEN))
             u, turn = rho * math.cos(angle), rho * math.sin(angle) / length
-            name = f"ray_{'minus_' if degree < 0.0 else ''}{abs(degree):g}"
+            name = ray_name(degree)
             if abs(degree) == 90.0:
                 paths.append({"name": name, "kind": "rotation", "rotation": turn})
             else:
                 moved = {"name": name, "kind": "translation", "lateral_displacement": u}
                 paths.append(moved | ({"rotation": turn} if degree else {}))
         return self._with_paths(paths)
-
-    def _reach_of_ray(self, low: float, high: float) -> float:
-        """Return rho [m] of a ray, such that no state at the limit of motion between its neighbours is further."""
-        return _SPARE * max(self._limit(low + (high - low) * k / (_BETWEEN - 1)) for k in range(_BETWEEN))
 
     def _limit(self, angle: float) -> float:
         """Return rho [m] at the limit of motion in a direction of (u, rotation * skirt length)."""
