@@ -26,7 +26,6 @@ from pysprings.cli.support import interruptible, print_json, print_table, quanti
 from pysprings.core.progress import reporter
 
 if TYPE_CHECKING:
-    from pysprings.macro.model import AnySprings
     from pysprings.scene.model import Scene
     from pysprings.studies.capacity.plan import Request
     from pysprings.studies.capacity.points import Capacity
@@ -75,6 +74,7 @@ def capacity(
     Series where the scene allows.
     """
     from pysprings.cli.folders import refuse_no_folder
+    from pysprings.cli.inputs import springs_or_table
     from pysprings.core.tables.load_cases import read_load_cases
     from pysprings.scene.load import load_scene
     from pysprings.studies.capacity import study
@@ -93,7 +93,9 @@ def capacity(
         every, radius = read_load_cases(file), 0.5 * read.caisson.outer_diameter
         request = study.with_torsion(chosen, request, every)
         given = every.bounded(radius, bool(request.torsion) or every.twisted(radius))
-    model = None if springs is None else _springs(springs)
+    if springs is not None and not springs.exists():
+        refuse("--springs", "no such file or folder", springs)
+    model = None if springs is None else springs_or_table(springs, None)
     try:
         with interruptible(), reporter(sys.stderr) as progress:
             outcome = study.study(
@@ -126,14 +128,6 @@ def _request(
     angles = quantities({f"--torsion {text}": (text, "rad", "45 deg") for text in torsion})
     turned = tuple(each for each in angles.values() if each is not None)
     return Request(tuple(known), directions, rays, StrengthFactors.read(factors), turned)
-
-
-def _springs(place: Path) -> AnySprings:
-    from pysprings.cli.inputs import springs_or_table
-
-    if not place.exists():
-        refuse("--springs", "no such file or folder", place)
-    return springs_or_table(place, None)
 
 
 def _print(folder: Path, outcome: Capacity) -> None:

@@ -32,20 +32,17 @@ def compile(  # the name of the command
 
     A small model of the scene is run and thrown away; the compiled loops are kept until the program changes.
     """
-    scenes = _templates() if scene is None else {str(scene): load(scene, None, changes)}
+    from pysprings.scene.load import parse_scene
+    from pysprings.scene.template import template_names, template_text
+
+    templates = {name: parse_scene(template_text(name)) for name in template_names()} if scene is None else {}
+    scenes = templates if scene is None else {str(scene): load(scene, None, changes)}
     seconds = {name: compiled(each, jobs=cores()) for name, each in scenes.items()}
     if as_json:
         print_json({"compiled_s": seconds})
     else:
         for name, value in seconds.items():
             print(f"{name}: {f'compiled in {value:.0f} s' if value else 'was compiled before'}")
-
-
-def _templates() -> dict[str, Scene]:
-    from pysprings.scene.load import parse_scene
-    from pysprings.scene.template import template_names, template_text
-
-    return {name: parse_scene(template_text(name)) for name in template_names()}
 
 
 def compiled(scene: Scene, quiet: bool = False, jobs: int = 1) -> float:

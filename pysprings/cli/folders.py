@@ -111,14 +111,6 @@ def refuse_without_ranges(scene: Path) -> None:
         refuse("--estimate", "no value of the scene has a range { low, best, high }: all estimates are the same", scene)
 
 
-def ready_to_run(scene: Path, folder: Path) -> None:
-    """Refuse a scene without ranges, and a folder that holds one run itself."""
-    refuse_without_ranges(scene)
-    refuse_no_folder(folder)
-    if (folder / "run.json").exists():
-        refuse("--out", "holds one run: choose another folder for several estimates", folder)
-
-
 def folders_of(folder: Path) -> dict[str, Path]:
     """Return the folders of runs by estimate that a folder holds; none of a folder of one run."""
     if (folder / "run.json").exists():

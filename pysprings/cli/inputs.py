@@ -80,7 +80,8 @@ def read_springs(result: Path) -> xr.DataTree:
 
     path = result / "springs.nc" if result.is_dir() else result
     if result.is_dir() and not path.exists():
-        refuse_estimates(result)
+        if found := folders_of(result):
+            refuse(None, f"holds the estimates {', '.join(found)}: name the folder of one of them", result)
         refuse(None, "no springs.nc in this folder; is it a result of `pysprings run`?", result)
     tree = read_tree(path)
     if result.is_dir():
@@ -92,12 +93,6 @@ def read_springs(result: Path) -> xr.DataTree:
         return extract_springs(open_result(path))
     validate_springs(tree, file=path)
     return tree
-
-
-def refuse_estimates(result: Path) -> None:
-    """Refuse the common folder of several estimates where one run is needed."""
-    if found := folders_of(result):
-        refuse(None, f"holds the estimates {', '.join(found)}: name the folder of one of them", result)
 
 
 def springs_or_table(

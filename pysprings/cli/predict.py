@@ -196,8 +196,8 @@ def predict(
     predictions.print_prediction(states)
     if matrices:
         predictions.print_stiffness(matrices)
-    if remarks := predictions.remarks_of(states):
-        to_stderr(remarks)
+    for remark in states.attrs.get("remarks", ()):
+        to_stderr(f"note: {remark}")
 
 
 def answer(springs: AnySprings, question: Question, asking: Asking) -> xr.Dataset:

@@ -167,11 +167,6 @@ def vertical_capacity(states: xr.Dataset) -> str:
     )
 
 
-def remarks_of(states: xr.Dataset) -> str:
-    """Return the remarks on the springs of an answer, one on each line."""
-    return "\n".join(f"note: {remark}" for remark in states.attrs.get("remarks", ()))
-
-
 @dataclass(frozen=True, slots=True)
 class Matrices:
     """Stiffness of the springs at states (step, 3, 3) and at the one state (6, 6); the initial one (6, 6)."""

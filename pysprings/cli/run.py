@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pysprings.cli.compiling import compile_first
 from pysprings.cli.folders import (
     chosen,
-    ready_to_run,
     record_stamp,
+    refuse_no_folder,
     refuse_other_run,
     refuse_without_ranges,
     result_folder,
@@ -152,7 +152,10 @@ def _one(scene: Path, folder: Path, options: RunOptions, force: bool) -> Stopped
 
 def run_estimates(scene: Path, folder: Path, options: RunOptions, force: bool, as_json: bool) -> None:
     """Run a scene with several estimates, a folder each; write what shows them side by side."""
-    ready_to_run(scene, folder)
+    refuse_without_ranges(scene)
+    refuse_no_folder(folder)
+    if (folder / "run.json").exists():
+        refuse("--out", "holds one run: choose another folder for several estimates", folder)
     stopped = []
     for each in options.estimates:
         if not options.quiet:

@@ -155,13 +155,6 @@ def print_estimate(scene: Scene) -> None:
         print(f"of values with a range the {scene.estimate} ones count (soil.estimate)")
 
 
-def print_ground(rows: Sequence[Mapping[str, Any]]) -> None:
-    """Print the ground by depth: a row for top and bottom of each layer."""
-    if rows:
-        print("\nground:")
-        print_table(Table.of(filled(_GROUND, rows), rows))
-
-
 def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> None:
     """Print the description of a scene that `pysprings check` has made."""
     from pysprings.model.forecast.omissions import saved_text
@@ -175,7 +168,9 @@ def print_description(file: Path, scene: Scene, about: Mapping[str, Any]) -> Non
     apart = ("ground", "cyclic", "vertical_loads", "left_out", "warnings", "defaulted")
     rows = [row for key, value in about.items() if key not in apart for row in _rows(key, value)]
     print_table(Table("", ("quantity", "value"), rows))
-    print_ground(about.get("ground", ()))
+    if rows := about.get("ground", ()):
+        print("\nground:")
+        print_table(Table.of(filled(_GROUND, rows), rows))
     if rows := about.get("cyclic", ()):
         print("\nbackbone after cycles: a hyperbola from G, then")
         print_table(Table.of(filled(_BACKBONE, rows), rows))

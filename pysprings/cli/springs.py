@@ -3,7 +3,7 @@
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 from pysprings.cli.folders import all_folders_of, refuse_no_folder, refuse_read
 from pysprings.cli.inputs import refuse_unfinished, springs_of
@@ -89,7 +89,11 @@ def export(
     ] = None,
 ) -> None:
     """Write files for other programs, a folder for each estimate. ParaView files need [output] paraview = true."""
-    exporter = EXPORTERS.find(to, "--to") if to else _refuse_no_target()
+    if not to:
+        rows = [(each.name, each.description) for each in EXPORTERS]
+        to_stderr(plain_table(("--to", "writes"), rows, (True, True)).rstrip())
+        refuse("--to", f"is missing: give one of {', '.join(EXPORTERS.names())}")
+    exporter = EXPORTERS.find(to, "--to")
     options = _export_options(option or [])
     exporters.read_options(exporter, options)
     if out is not None:
@@ -103,24 +107,12 @@ def _export_one(result: Path, exporter: exporters.Exporter, options: dict[str, s
     folder = result if result.is_dir() else result.parent
     source = _export_source(result, exporter)
     place = own_folder(folder, exporter.name) if out is None else out
-    target = exporters.Target(place / exporter.file, partial(note, folder) if out is None else _keep_no_list)
-    done = exporters.export(source, exporter.name, target, **options)
+    kept = () if out is not None else (partial(note, folder),)  # the next run into the folder removes what is listed
+    done = exporters.export(source, exporter.name, exporters.Target(place / exporter.file, *kept), **options)
     for path in done.files:
         print(path)
     for remark in done.remarks:
         to_stderr(f"note: {remark}")
-
-
-def _refuse_no_target() -> NoReturn:
-    """List what `--to` takes, a line each, and end the program."""
-    to_stderr(
-        plain_table(("--to", "writes"), [(each.name, each.description) for each in EXPORTERS], (True, True)).rstrip()
-    )
-    refuse("--to", f"is missing: give one of {', '.join(EXPORTERS.names())}")
-
-
-def _keep_no_list(_file: Path) -> None:
-    """Accept a file outside the result folder, which the next run into the folder does not remove."""
 
 
 def _export_options(given: list[str]) -> dict[str, str]:
