@@ -280,8 +280,11 @@ def fit(
     steps = np.diag(_AT_BOUND * np.where(logs, span, np.fmin(span, 1.0)))
     near = [is_beyond(found.x - step) or is_beyond(found.x + step) for step in steps]
     error = spread * np.where(logs, after, unit)
-    fitted = tuple(_fitted(*each) for each in zip(keys, start, after, error, near, strict=True))
-    return Fit(fitted, float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation,
+    fitted = []
+    for key, before, value, off, at_bound in zip(keys, start, after, error, near, strict=True):
+        own, scale = _unit_of(key)
+        fitted.append(Fitted(key, own, before / scale, value / scale, off / scale, bool(at_bound)))
+    return Fit(tuple(fitted), float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation,
                changed_to(found.x), found.status > 0)  # fmt: skip
 
 
@@ -303,11 +306,6 @@ def _unit_of(key: str) -> tuple[str, float]:
     """Return the unit of a key and its size in SI."""
     unit = plain_field(key).unit
     return unit, 1.0 if unit == "1" else read(f"1 {unit}", si_of(unit))
-
-
-def _fitted(key: str, start: float, after: float, error: float, near: bool) -> Fitted:
-    unit, scale = _unit_of(key)
-    return Fitted(key, unit, start / scale, after / scale, error / scale, bool(near))
 
 
 def _misfit(

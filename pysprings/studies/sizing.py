@@ -277,25 +277,21 @@ def table_of(tried: Sequence[Candidate]) -> pd.DataFrame:
 
 def candidates(table: pd.DataFrame, best: pd.Series) -> Figure:
     """Draw every caisson that was tried, its steel in tonnes as the size of the dot, and the best one."""
-    from pysprings.results.plots.style import styled
+    from matplotlib import rc_context
 
-    return styled(_candidates)(table, best)
+    from pysprings.results.plots.style import STYLE, new_figure
 
-
-def _candidates(table: pd.DataFrame, best: pd.Series) -> Figure:
-    from pysprings.results.plots.style import new_figure
-
-    figure = new_figure(6.4, 4.6)
-    axes = figure.subplots()
-    for met, colour, label in ((True, BLUE, "meets the load cases"), (False, GREY, "does not")):
-        part = table[(table["use"] <= 1.0) == met]
-        axes.scatter(part["D_m"], part["L_m"], s=10.0 + 60.0 * part["steel_t"] / table["steel_t"].max(), c=colour,
-                     label=label, alpha=0.7)  # fmt: skip
-    axes.plot(
-        best["D_m"], best["L_m"], "*", color=VERMILLION, markersize=16, label=f"least steel: {best['steel_t']:.3g} t"
-    )
-    axes.set(xlabel="outer diameter D [m]", ylabel="skirt length L [m]")
-    axes.legend(loc="best")
+    with rc_context(STYLE):
+        figure = new_figure(6.4, 4.6)
+        axes = figure.subplots()
+        for met, colour, label in ((True, BLUE, "meets the load cases"), (False, GREY, "does not")):
+            part = table[(table["use"] <= 1.0) == met]
+            size = 10.0 + 60.0 * part["steel_t"] / table["steel_t"].max()
+            axes.scatter(part["D_m"], part["L_m"], s=size, c=colour, label=label, alpha=0.7)
+        words = f"least steel: {best['steel_t']:.3g} t"
+        axes.plot(best["D_m"], best["L_m"], "*", color=VERMILLION, markersize=16, label=words)
+        axes.set(xlabel="outer diameter D [m]", ylabel="skirt length L [m]")
+        axes.legend(loc="best")
     return figure
 
 

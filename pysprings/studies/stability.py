@@ -327,9 +327,7 @@ def line(row: dict[str, Any]) -> str:
 
 def closing(summary: dict[str, Any]) -> str:
     """Return the counts, and two measures of the difficulty of the cases."""
-    counts = ", ".join(
-        f"{summary[name]} {name}" for name in ("converged", "warned", "stopped", "refused", "unexplained")
-    )
+    counts = ", ".join(f"{summary[name]} {name}" for name in OUTCOMES)
     if not summary["increments"]:
         return counts
     share = 100.0 * summary["cut_backs_over_increments"]

@@ -182,16 +182,10 @@ def _answers(springs: xr.DataTree) -> Iterator[Answer]:
         return
     for n in comparison.slice_counts(given):
         merged = comparison.merge_slices(given, n)
-        traced = {name: _curve(merged.paths[name], trace) for name, trace in _traces(merged, names, kind)}
+        traces = {name: curves(merged, name, kind).get(kind) for name in names}
+        traced = {name: _curve(merged.paths[name], trace) for name, trace in traces.items() if trace is not None}
         whole = {name: curve for name, curve in traced.items() if curve is not None}
         yield Answer(kind, n, names, whole, comparison.curve_seconds(merged, kind))
-
-
-def _traces(springs: Springs, names: list[str], kind: str) -> Iterator[tuple[str, xr.Dataset]]:
-    for name in names:
-        by_kind = curves(springs, name, kind)
-        if kind in by_kind:
-            yield name, by_kind[kind]
 
 
 def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:

@@ -68,7 +68,8 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
             why = _run(scenes[setting.name], folder, whole.of(setting.name), run)
         whole.ended(setting.name, setting.name in missing)
         record = record_of(folder, scenes[setting.name])
-        finished.append(Ended(setting, folder, record, why or _stored_outcome(record)))
+        stopped = why_stopped(record)
+        finished.append(Ended(setting, folder, record, why or (f"{_NOT_CONVERGED}{stopped}" if stopped else "")))
     return finished
 
 
@@ -91,12 +92,6 @@ def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
     except UserInputError as error:  # for example a mesh so coarse that its cells cannot be graded
         return "\n".join(error.lines)
     return ""
-
-
-def _stored_outcome(record: RunRecord | None) -> str:
-    """Return the outcome of a kept run as `_run` has returned it."""
-    why = why_stopped(record)
-    return f"{_NOT_CONVERGED}{why}" if why else ""
 
 
 _NOT_CONVERGED = "not converged: "

@@ -204,9 +204,9 @@ def _correction(
 def _unknown(correction: Array, action: Array) -> Array:
     """Return two modes (2, row, knot): the sizes of the corrections of H and of M."""
     out = np.zeros((2, len(action), correction.shape[1]))
-    pure = [int(np.argmax((action == each).all(axis=1))) for each in ((1.0, 0.0),)]
+    force = int(np.argmax((action == [1.0, 0.0]).all(axis=1)))
     moment = int(np.argmax((action[:, 0] == 0.0) & (action[:, 1] != 0.0)))
-    out[0, pure[0]], out[1, moment] = correction[0], correction[1] / action[moment, 1]
+    out[0, force], out[1, moment] = correction[0], correction[1] / action[moment, 1]
     return out
 
 

@@ -57,7 +57,8 @@ def held_back(atlas: Atlas, data: xr.Dataset, at: tuple[float, ...] = AT) -> pd.
 
 def _case(atlas: Atlas, case: xr.Dataset, scene: Scene, at: tuple[float, ...]) -> Iterator[dict[str, Any]]:
     try:
-        springs = Springs.of(atlas.springs(_plain(atlas, scene)))
+        rays = atlas.base.springs.model_dump()  # in place of the pulls
+        springs = Springs.of(atlas.springs(scene.replace(paths=(), springs=rays) if scene.paths else scene))
     except UserInputError as error:
         yield {"quantity": "all", "why_not": "; ".join(f"{each.key}: {each.message}" for each in error.problems)}
         return
@@ -69,11 +70,6 @@ def _case(atlas: Atlas, case: xr.Dataset, scene: Scene, at: tuple[float, ...]) -
     for path in scene.load_paths:
         if path.kind == "pull":
             yield from _pull(springs, case.sel(path=path.name), scene, path, at)
-
-
-def _plain(atlas: Atlas, scene: Scene) -> Scene:
-    """Return the scene with the rays of the atlas in place of its pulls."""
-    return scene.replace(paths=(), springs=atlas.base.springs.model_dump()) if scene.paths else scene
 
 
 def _pull(
@@ -268,7 +264,7 @@ def atlas_of(
     with open_study(study) as data:
         title, samples = str(data.attrs["title"]), read_samples(data.load(), family)
     atlas, left = build(samples, family)
-    about, compared = _about(title, samples, _left_words(left)), None
+    about, compared = _about(title, samples, left), None
     if held_back is not None:
         with open_study(held_back) as data:  # judged with the share of the mesh, which `about` names
             atlas, compared = calibrated(replace(atlas, about=about), data.load(), at)
@@ -289,13 +285,18 @@ def left_summary(left: LeftOut) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _about(title: str, samples: Samples, fitted: dict[str, str]) -> dict[str, str]:
+def _about(title: str, samples: Samples, left: LeftOut) -> dict[str, str]:
     base = samples.scene.scene()
     better = f", {EXTRAPOLATED}" if samples.extrapolated else ""
+    error = np.abs(left.error[np.isfinite(left.error)])
+    text = (
+        f"load along the rays {percent(100 * np.sqrt((error**2).mean()))} (rms), "
+        f"{percent(100 * np.quantile(error, 0.95))} (95 %), {100 * left.inside:.3g} % inside the band of 95 %"
+    )
     return {
         "title": title, "full models": str(len(samples.inputs)), "pysprings": __version__,
         "mesh": f"{base.mesh.preset} ({base.mesh.discretisation}){better}",
-        "drainage": _drainage(base.soil.layers), **fitted,
+        "drainage": _drainage(base.soil.layers), "left out": text,
     }  # fmt: skip
 
 
@@ -310,15 +311,6 @@ def held_back_words(compared: pd.DataFrame | None) -> str:
     none = compared["quantity"] == "all"
     left = f"; {none.sum()} without an answer" if none.any() else ""
     return f"largest errors on {compared.loc[~none, 'case'].nunique()} caissons: {', '.join(words)}{left}"
-
-
-def _left_words(left: LeftOut) -> dict[str, str]:
-    error = np.abs(left.error[np.isfinite(left.error)])
-    text = (
-        f"load along the rays {percent(100 * np.sqrt((error**2).mean()))} (rms), "
-        f"{percent(100 * np.quantile(error, 0.95))} (95 %), {100 * left.inside:.3g} % inside the band of 95 %"
-    )
-    return {"left out": text}
 
 
 def _drainage(layers: tuple[object, ...]) -> str:

@@ -136,13 +136,6 @@ def along_load(direction: Direction, diameter: float) -> Array:
     return np.array([np.cos(b) * np.cos(a), diameter * np.cos(b) * np.sin(a), diameter * np.sin(b)])
 
 
-def size_of_load(loads: Array, scene: Scene, direction: Direction) -> Array:
-    """Return the sizes R [N] of loads (n, 3) = (H, M, T) in a direction."""
-    diameter = scene.caisson.outer_diameter
-    size: Array = loads / [1.0, diameter, diameter] @ along_load(direction, 1.0)
-    return size
-
-
 def assess(
     states: Array, scene: Scene, direction: Direction, why: str = "", at_limit: bool = False,
     mesh_error: float = np.nan,
@@ -155,7 +148,8 @@ def assess(
     """
     limit, rest = DisplacementLimit.of(scene, float(states[0, 2])), float(states[0, 8])
     moved = np.array([limit.share(state[:6]) for state in states])
-    along = along_load(direction, scene.caisson.outer_diameter)
+    diameter = scene.caisson.outer_diameter
+    along = along_load(direction, diameter)
     over = np.flatnonzero(moved >= 1.0 - _MET)
     ended = bool(over.size) or at_limit
     if over.size:  # the state at the limit itself, between the last two
@@ -164,7 +158,8 @@ def assess(
         edge = states[last - 1] + share * (states[last] - states[last - 1])
         states = np.vstack([states[:last], edge])
         moved = np.append(moved[:last], 1.0)
-    path, load = states[:, [0, 4, 5]] @ along, size_of_load(states[:, [6, 10, 11]], scene, direction)
+    path, sizes = states[:, [0, 4, 5]] @ along, [1.0, diameter, diameter]
+    load = states[:, [6, 10, 11]] / sizes @ along_load(direction, 1.0)
     before = int(np.flatnonzero(path <= (1.0 - SEEN) * path[-1])[-1])
     growth = float((load[-1] - load[before]) / (path[-1] - path[before]) * path[-1] / load[-1])
     best = int(np.argmax(load))
@@ -251,7 +246,7 @@ def planned(groups: Iterable[Group], request: Request) -> list[Planned]:
         for each in request.all_directions:
             runs.append(Planned(group.probe_name(each), group.probe(each), group, each, own))
         if request.rays:
-            runs.append(Planned(group.rays_name, group.rays(), group, None, own))
+            runs.append(Planned(f"{group.name}-rays", group.rays(), group, None, own))
     return runs
 
 
@@ -276,14 +271,12 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
     for batch in (list(firsts.values()), [each for each in runs if each is not firsts[each.group.name]]):
         overloaded = {each.planned.group.name for each in ended.values() if each.overloaded}
         carried = [each for each in batch if each.group.name not in overloaded]
-        tasks = [_task(each, out, weights[each.name], whole) for each in carried]
+        tasks = []
+        for each in carried:
+            told = whole.of(each.name, [path.name for path in each.scene.load_paths])
+            tasks.append(Task(each.name, carry_out, (each, out), weights[each.name], told))
         run_tasks(tasks, jobs_for(runs[0].scene, jobs, [task.cost for task in tasks]), done)
     return [ended[each.name] for each in runs if each.name in ended]
-
-
-def _task(planned: Planned, out: Path, cost: float, whole: Whole) -> Task:
-    paths = [path.name for path in planned.scene.load_paths]
-    return Task(planned.name, carry_out, (planned, out), cost, whole.of(planned.name, paths))
 
 
 def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:

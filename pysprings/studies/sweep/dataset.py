@@ -215,7 +215,8 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
         label = f"{quantity} [{values.attrs.get('units', '1')}]"
         x = data[chosen[0]]
         if len(chosen) == 1:
-            _curve(plot, x, values, label)
+            plot.plot(x.values, values.values, "o" if "case" in values.dims else "o-", ms=4)
+            plot.set_ylabel(label)
         else:
             _map(figure, plot, (x, data[chosen[1]]), values, label)
         _mark_short(plot, _on(data["status"] == SHORT, chosen, data)[0], [data[name] for name in chosen], values)
@@ -304,12 +305,6 @@ def _text(value: Any) -> str:
 def _label(axis: xr.DataArray) -> str:
     unit = axis.attrs.get("units", "1")
     return str(axis.name) if unit == "1" else f"{axis.name} [{unit}]"
-
-
-def _curve(plot: Any, x: xr.DataArray, values: xr.DataArray, label: str) -> None:
-    style = "o" if "case" in values.dims else "o-"
-    plot.plot(x.values, values.values, style, ms=4)
-    plot.set_ylabel(label)
 
 
 def _mark_short(plot: Any, short: xr.DataArray, axes: list[xr.DataArray], values: xr.DataArray) -> None:

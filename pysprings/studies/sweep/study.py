@@ -168,17 +168,14 @@ def _run(
     order = sorted(first.values(), key=lambda case: case.number)
     try:
         with worker.client_of(place) as client:
-            say(_place(client))
+            workers = len(client.scheduler_info(n_workers=-1)["workers"])
+            where = f"{workers} worker{'s' if workers != 1 else ''} at {client.scheduler.address}"
+            say(f"{where}; {worker.dashboard(client)}")
             _follow(study, order, sign, client, progress)
     finally:
         (study.out / worker.SIGN).unlink(missing_ok=True)
     if study.carried:
         say(f"{study.carried} results were carried back by the scheduler: its workers do not share {study.out}")
-
-
-def _place(client: Any) -> str:
-    workers = len(client.scheduler_info(n_workers=-1)["workers"])
-    return f"{workers} worker{'s' if workers != 1 else ''} at {client.scheduler.address}; {worker.dashboard(client)}"
 
 
 def _follow(study: Study, order: list[Case], sign: str, client: Any, progress: Progress) -> None:

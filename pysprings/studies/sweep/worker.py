@@ -24,6 +24,7 @@ from typing import Any
 from pysprings.core.errors import PyspringsError, ResourceError, RunIncomplete, UserInputError, shortened
 from pysprings.core.storage import write_text
 from pysprings.core.version import __version__
+from pysprings.core.workers import THREADS
 from pysprings.full_model.run_record import RunRecord
 from pysprings.scene.load import parse_scene
 from pysprings.studies.sweep.plan import DONE, FAILED, SCHEMA, SHORT, STOPPED
@@ -33,7 +34,6 @@ _DEATHS = 10  # of workers with a case, before the case is given up
 _ATTEMPTS = 3  # to start the processes
 _WAIT = 15.0  # s for a scheduler to answer
 _LOGS = ("distributed", "distributed.client", "tornado.application", "asyncio")
-_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def client_of(place: Place) -> Iterator[Any]:
     import dask
 
     settings = {
-        "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1),
+        "distributed.nanny.pre-spawn-environ": dict.fromkeys(THREADS, 1),
         "distributed.scheduler.allowed-failures": _DEATHS,
         "distributed.admin.tick.limit": "1h",
     }
