@@ -204,19 +204,19 @@ class _Files(Sink):
         record, figures = computed.record, None
         if self.figures != "none":
             with meter.clock.phase("output: pictures"):
-                figures = self._made(record, "pictures", lambda: self._draw(self.figures), shows=True)
+                figures = self._made(record, "pictures", self._draw, shows=True)
         meter.charge(record)  # the report shows the cost of everything but itself
         with meter.clock.phase("output: report"):
             self._made(record, "report", lambda: self._report(computed, figures or []), shows=True)
 
-    def _draw(self, which: Figures) -> list[Path]:
+    def _draw(self) -> list[Path]:
         """Draw the pictures of the report, or all."""
         from pysprings.results import plots
 
         source, known = self.source, self.has_springs
         return plots.save_all(
             source.result, source.springs if known else None, self.folder / FIGURES,
-            source.predictions if known else None, partial(note, self.folder), which, self.writing.formats,
+            source.predictions if known else None, partial(note, self.folder), self.figures, self.writing.formats,
         )  # fmt: skip
 
     def _report(self, computed: Computed, figures: list[Path]) -> None:
@@ -229,8 +229,12 @@ class _Files(Sink):
         if self.kept is computed.tree and not self.errors:
             return
         self.errors.clear()
-        self._begin(computed)
-        record, folder, source = computed.record, self.folder, self.source
+        record, folder = computed.record, self.folder
+        springs = self._made(record, "springs", lambda: _springs(computed.tree))
+        remove_results(folder)  # of an earlier run
+        remove_leftovers(folder, *(folder / name for name in own_folders()))
+        source = self.source = Source(springs, computed.tree)
+        self.kept, self.has_springs = computed.tree, springs is not None
         if not self.writing.springs_alone:
             write_tree(computed.recorded(), folder / "full_model.nc")
             _write_record(folder, record.as_dict() | {"status": WRITING})
@@ -282,13 +286,6 @@ class _Files(Sink):
             self.errors += [] if shows else [error]
         record.summary = {**(record.summary or {}), "not made": record.left_to_make}
         return None
-
-    def _begin(self, computed: Computed) -> None:
-        """Take up a result; files of an earlier one go."""
-        springs = self._made(computed.record, "springs", lambda: _springs(computed.tree))
-        remove_results(self.folder)
-        remove_leftovers(self.folder, *(self.folder / name for name in own_folders()))
-        self.source, self.kept, self.has_springs = Source(springs, computed.tree), computed.tree, springs is not None
 
 
 def _springs(result: xr.DataTree) -> xr.DataTree | None:

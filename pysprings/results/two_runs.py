@@ -2,6 +2,7 @@
 """Two runs beside each other: what differs in their scenes, initial stiffness, paths and limit loads."""
 
 import math
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -66,21 +67,15 @@ def common_paths(first: Run, second: Run) -> list[str]:
 
 
 def _scene(first: Run, second: Run) -> Iterator[Row]:
-    values = [_keys(each.record.scene_toml) for each in (first, second)]
+    values = [dict(_flat("", tomllib.loads(each.record.scene_toml))) for each in (first, second)]
     for key in dict.fromkeys([*values[0], *values[1]]):
         a, b = (each.get(key, "-") for each in values)
         if a != b:
             yield Row("scene", key, a, b)
 
 
-def _keys(text: str) -> dict[str, str]:
-    """Return the values of a scene file by dotted key; paths and layers by their names, and numbers of one name."""
-    import tomllib
-
-    return dict(_flat("", tomllib.loads(text)))
-
-
 def _flat(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    """Yield the values of a scene file by dotted key; paths and layers by their names, and numbers of one name."""
     if isinstance(value, dict):
         for key, each in value.items():
             yield from _flat(f"{name}.{key}".lstrip("."), each)
@@ -94,15 +89,12 @@ def _flat(name: str, value: Any) -> Iterator[tuple[str, str]]:
 
 
 def _setting(first: Run, second: Run) -> Iterator[Row]:
-    for words, read in (
-        ("version", lambda record: record.version),
-        ("unknowns", lambda record: record.mesh.unknowns),
-        ("status", lambda record: str(record.status)),
-    ):
-        a, b = read(first.record), read(second.record)
-        if a != b:
-            yield Row("run", words, a, b)
-    yield _row("run", "wall", "s", first.record.wall_s, second.record.wall_s)
+    a, b = first.record, second.record
+    unknowns = ("unknowns", a.mesh.unknowns, b.mesh.unknowns)
+    for words, one, other in (("version", a.version, b.version), unknowns, ("status", str(a.status), str(b.status))):
+        if one != other:
+            yield Row("run", words, one, other)
+    yield _row("run", "wall", "s", a.wall_s, b.wall_s)
 
 
 def _stiffness(first: Run, second: Run) -> Iterator[Row]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.text import suggestion
 
 if TYPE_CHECKING:
@@ -34,8 +34,8 @@ def table_options(points: int) -> tuple[Option, ...]:
         Option("planes", "even number of vertical planes with springs; 0: 8 of virtual springs, 2 of others", 0),
         Option("azimuth", "direction of the first plane, from x towards y; that of the load where there are two",
                unit="rad", example="30 deg"),
-        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
-        Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s"),
+        V,
+        RATE,
     )  # fmt: skip
 
 
@@ -95,7 +95,7 @@ class Source:
 
 def _opened(given: xr.DataTree | Callable[[], xr.DataTree] | None, what: str) -> xr.DataTree:
     if given is None:
-        raise UserInputError([Problem(message=f"this export needs the {what} of a run")])
+        raise refused(None, f"this export needs the {what} of a run")
     return given() if callable(given) else given
 
 
@@ -116,6 +116,10 @@ class Option:
     unit: str = ""
     example: str = ""
     choices: tuple[str, ...] = ()
+
+
+V = Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN")
+RATE = Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s")
 
 
 @dataclass(frozen=True, slots=True)

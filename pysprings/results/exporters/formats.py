@@ -5,7 +5,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-from pysprings.results.exporters.base import Exporter, Option, table_options, write_text_file
+from pysprings.results.exporters.base import RATE, Exporter, Option, V, table_options, write_text_file
 
 
 def _loaded(module: str, name: str = "write") -> Callable[..., Any]:
@@ -18,25 +18,19 @@ def _loaded(module: str, name: str = "write") -> Callable[..., Any]:
 
 
 POINTS = 80  # of a curve for beam programs
-RATE = Option("rate", "rate of loading, of springs at several", unit="m/s", example="0.5 mm/s")
-CSV = Exporter(
-    name="csv",
-    description="p-y tables",
-    write=write_text_file(_loaded("csv", "py_text")),
-    suffixes=(".csv",),
-    file="py.csv",
-    text=_loaded("csv", "py_text"),
-    of_every_run=True,
-)
-WIDE = Exporter(
-    name="wide",
-    description="the same, a pair of columns y, p by depth, for spreadsheets",
-    write=write_text_file(_loaded("csv", "wide_text")),
-    suffixes=(".csv",),
-    file="py_wide.csv",
-    text=_loaded("csv", "wide_text"),
-    of_every_run=True,
-)
+
+
+def _of_text(name: str, description: str, function: str, file: str, of_every_run: bool = True) -> Exporter:
+    """Return an exporter of one file, whose text a function of `csv` returns."""
+    text, suffix = _loaded("csv", function), file[file.rindex(".") :]
+    return Exporter(
+        name, description, write_text_file(text), suffixes=(suffix,), file=file, text=text, of_every_run=of_every_run
+    )
+
+
+CSV = _of_text("csv", "p-y tables", "py_text", "py.csv")
+WIDE = _of_text("wide", "the same, a pair of columns y, p by depth, for spreadsheets", "wide_text", "py_wide.csv")
+JSON = _of_text("json", "all springs as one JSON document", "springs_text", "springs.json", False)
 XLSX = Exporter(
     name="xlsx",
     description="springs as a spreadsheet",
@@ -53,14 +47,6 @@ NETCDF = Exporter(
     file="springs.nc",
     of_every_run=True,
 )
-JSON = Exporter(
-    name="json",
-    description="all springs as one JSON document",
-    write=write_text_file(_loaded("csv", "springs_text")),
-    suffixes=(".json",),
-    file="springs.json",
-    text=_loaded("csv", "springs_text"),
-)
 BEAM = Exporter(
     name="beam",
     description="one set of curves for beam programs: p(y), m(rotation), tip and lid (CSV, xlsx)",
@@ -75,7 +61,7 @@ BEAM = Exporter(
             choices=("no", "yes"),
         ),
         Option("points", "points of a curve", POINTS),
-        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
+        V,
         RATE,
     ),
 )
@@ -102,7 +88,7 @@ OPENFAST = Exporter(
         Option("z", "height of the mudline above still water, negative", unit="m", example="-30 m"),
         Option("springs", "of the nonlinear foundation: the fan, or the elements that remember reversals", "fan",
                choices=("fan", "memory")),
-        Option("V", "vertical load of the lateral springs, of springs at several", unit="N", example="2 MN"),
+        V,
         RATE,
         Option("reaction_at_rest", "vertical reaction of the nonlinear foundation at displacement 0: the vertical load "
                "at rest (the structure has its weight), or none", "load", choices=("load", "none")),

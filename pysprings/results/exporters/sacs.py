@@ -247,20 +247,6 @@ def _as_written(given: Table, stratum: Stratum, unit: float, of_q: float = CM) -
     return replace(given, spring=spring, q=np.concatenate([-q[:0:-1], q]), f=np.concatenate([-f[:0:-1], f]))
 
 
-def _texts(source: Source, options: Options) -> tuple[list[str], list[str], Springs]:
-    """Return the lines of the cards, the sentences on what is lost, and the springs at their rate and load."""
-    points = int(options["points"])
-    if not 3 <= points <= MOST:
-        raise refused("--option points", f"{points} is not from 3 to {MOST}")
-    springs, load = springs_at(source, options)
-    kind = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
-    made, strata, length, about = _made(springs, kind, load)
-    axial, words = _axial_cards(springs, made, options, length)
-    lateral, errors = _lateral_cards(springs, made, options, strata, length)
-    lost = [f"springs '{made.model.spring_set}'", *made.lost, about, *_LOST, no_heave(springs), *words, *errors]
-    return [*axial, *lateral], lost, springs
-
-
 def _lateral_cards(
     springs: Springs, made: Uniaxial, options: Options, strata: list[Spring], length: float
 ) -> tuple[list[str], list[str]]:
@@ -311,7 +297,15 @@ def _axial(made: Uniaxial, area: float) -> Iterator[str]:
 
 def write(source: Source, target: Target, options: Options) -> Exported:
     """Write the cards."""
-    lines, lost, at = _texts(source, options)
-    head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS, at=at), *lost]
-    text = "\n".join([*commented("*", head, 76), *lines]) + "\n"
+    points = int(options["points"])
+    if not 3 <= points <= MOST:
+        raise refused("--option points", f"{points} is not from 3 to {MOST}")
+    springs, load = springs_at(source, options)
+    kind = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
+    made, strata, length, about = _made(springs, kind, load)
+    axial, words = _axial_cards(springs, made, options, length)
+    lateral, errors = _lateral_cards(springs, made, options, strata, length)
+    lost = [f"springs '{made.model.spring_set}'", *made.lost, about, *_LOST, no_heave(springs), *words, *errors]
+    head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS, at=springs), *lost]
+    text = "\n".join([*commented("*", head, 76), *axial, *lateral]) + "\n"
     return Exported([target.write("caisson_sacs.inp", text)], lost)

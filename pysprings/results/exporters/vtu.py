@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import xarray as xr
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 from pysprings.core.storage import write_text
 from pysprings.core.variables import STRESSES
 from pysprings.results.exporters.base import Exported, Options, Source, Target
@@ -33,8 +33,7 @@ def write_paraview(result: xr.DataTree, folder: Path, note: Callable[[Path], obj
     file when it is written.
     """
     if "volume" not in result.children:
-        message = "holds no whole model: run the scene with [output] paraview = true"
-        raise UserInputError([Problem(key="paraview", message=message)])
+        raise refused("paraview", "holds no whole model: run the scene with [output] paraview = true")
     mesh = result.children["volume"].to_dataset(inherit=False)
     folder.mkdir(parents=True, exist_ok=True)
     done = note or (lambda _: None)

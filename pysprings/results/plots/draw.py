@@ -127,9 +127,7 @@ def _view(
 
 def _views(tree: xr.DataTree, picture: Picture, path: str | None = None) -> Iterator[View]:
     """Yield the view of the whole, or of each path in turn: calibration paths before others."""
-    view = View(tree)
-    plane = section_data(tree)
-    view = replace(view, section=None if plane is None else view.with_settings(plane))
+    view = View(tree, section=section_data(tree))
     if picture.scope == "run":
         yield view
         return

@@ -92,7 +92,7 @@ def spring_text(
     if model.stiffness_initial is None:
         raise refused("springs", "springs from a table have no vertical stiffness: SoilDyn needs springs.nc")
     _check_size(model, table)
-    w, V = (_rest_rows(table, name) for name in ("w", "V"))
+    w, V = (table.r[table.name == name][0][:, 0] for name in ("w", "V"))  # by ray
     rest = (float(w[0]), float(V[0])) if model.vertical is None else model.vertical.rest
     lines = commented("!", head)
     lines += [
@@ -113,12 +113,6 @@ def spring_text(
         "end",
     ]
     return "\n".join(lines) + "\n"
-
-
-def _rest_rows(table: FanTable, name: str) -> Array:
-    """Return the value at rest of a row by ray."""
-    values: Array = table.r[table.name == name][0][:, 0]
-    return values
 
 
 def _check_size(model: MacroModel, table: FanTable) -> None:
