@@ -115,12 +115,8 @@ class RunIncomplete(PyspringsError):
         self, message: str, folder: str | os.PathLike[str] | None = None, reasons: Iterable[StopReason] = ()
     ) -> None:
         super().__init__(message)
-        self.message = message
         self.folder = None if folder is None else Path(folder)
         self.reasons = tuple(reasons)
-
-    def __str__(self) -> str:
-        return self.message
 
 
 class TargetMissed(RunIncomplete):

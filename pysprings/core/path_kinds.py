@@ -69,11 +69,6 @@ class PathKind:
     space: bool = False
     turns: bool = False
 
-    @property
-    def has_velocity(self) -> bool:
-        """Whether a part of the path may have a velocity (`then`, rate and duration alike)."""
-        return self.paces == ("rate", "duration")
-
 
 PATH_KINDS: Mapping[str, PathKind] = {
     "pull": PathKind(

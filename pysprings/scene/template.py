@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import refused
 
 if TYPE_CHECKING:
     from pysprings.scene.sections import Section
@@ -82,7 +82,7 @@ def template_text(name: str) -> str:
     known = template_names()
     if name not in known:
         hint = suggestion(name, known) or f" (there is: {', '.join(known)})"
-        raise UserInputError([Problem(key="--template", message=f"no template '{name}'{hint}")])
+        raise refused("--template", f"no template '{name}'{hint}")
     return (FOLDER / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -94,11 +94,9 @@ def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:
     text = template_text(template)
     schema = file.with_name(FILE_NAME)
     if file == schema:
-        raise UserInputError([Problem(str(file), message="is the name of the schema; choose another for the scene")])
+        raise refused(None, "is the name of the schema; choose another for the scene", file)
     if (file.exists() or file.is_symlink()) and not force:
-        raise UserInputError(
-            [Problem(str(file), message="exists already; choose another name, or --force to replace it")]
-        )
+        raise refused(None, "exists already; choose another name, or --force to replace it", file)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         with file.open("w" if force else "x", encoding="utf-8", newline="\n") as stream:
@@ -108,6 +106,5 @@ def write_scene(file: Path, template: str, force: bool = False) -> list[Path]:
         text = json.dumps(_with_ranges(scene_schema()), indent=2, ensure_ascii=False)
         schema.write_text(f"{text}\n", encoding="utf-8", newline="\n")
     except OSError as error:
-        message = f"cannot be written ({error.strerror})"
-        raise UserInputError([Problem(str(error.filename or file), message=message)]) from None
+        raise refused(None, f"cannot be written ({error.strerror})", error.filename or file) from None
     return [file, schema]

@@ -37,7 +37,7 @@ class Then(NamedTuple):
 
 _THEN = re.compile(r"(?P<value>.+?)(?: towards (?P<towards>.+?))?(?: (?P<how>at|in) (?P<pace>.+))?")
 _RATE = Quantity("mm/s", "[1e-9, 1e4]", "", "0.05 mm/s")
-_RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.has_velocity}
+_RATES = {name: _RATE for name, kind in PATH_KINDS.items() if kind.paces == ("rate", "duration")}
 _LOAD = Quantity("MN", "[-1e4, 1e4]", "", "3 MN")
 _DIRECTION = Quantity("deg", "[-360, 360]", "", "90 deg")
 _TIME = Quantity("s", "[1e-6, 1e12]", "", "2 hour")

@@ -17,7 +17,7 @@ from datetime import date, time, timedelta
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import UserInputError, refused
 from pysprings.core.units import quoted
 
 Cell = Any  # str, float, int, bool, None (blank), or Unread
@@ -178,29 +178,29 @@ def sheets_of(path: Path) -> list[Sheet]:
     """
     try:
         if path.is_dir():
-            raise _refused(path, "is a folder")
+            raise refused(None, "is a folder", path)
         _refuse_large(path, path.stat().st_size)
         raw = path.read_bytes()
     except FileNotFoundError:
-        raise _refused(path, "no such file") from None
+        raise refused(None, "no such file", path) from None
     except OSError as error:
-        raise _refused(path, f"cannot be read: {error.strerror}") from None
+        raise refused(None, f"cannot be read: {error.strerror}", path) from None
     if raw[:4] == b"PK\x03\x04" and b"opendocument" not in raw[:100]:
         return _workbook(path, raw)
     save_as = "save it as .xlsx or .csv"
     if raw[:4] == b"\xd0\xcf\x11\xe0" or path.suffix.lower() in (".xls", ".xlsb"):
-        raise _refused(path, f"is a workbook of the old Excel format, or one with a password: {save_as}")
+        raise refused(None, f"is a workbook of the old Excel format, or one with a password: {save_as}", path)
     if raw[:2] == b"PK" or path.suffix.lower() in (".ods", ".numbers"):
-        raise _refused(path, f"is a spreadsheet of another program: {save_as}")
+        raise refused(None, f"is a spreadsheet of another program: {save_as}", path)
     if path.suffix.lower() in (".xlsx", ".xlsm"):
-        raise _refused(path, "not an Excel workbook (File is not a zip file)")
+        raise refused(None, "not an Excel workbook (File is not a zip file)", path)
     return list(_texts(path, _decoded(path, raw)))
 
 
 def _decoded(path: Path, raw: bytes) -> str:
     if (count := raw.count(b"\n")) > MOST_LINES:
         words = f"{count:,} lines, at most {MOST_LINES:,}; springs.nc of a run has no such limit"
-        raise _refused(path, f"is too large for a table ({words})")
+        raise refused(None, f"is too large for a table ({words})", path)
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         names: tuple[str, ...] = ("utf-16",)
     else:
@@ -210,7 +210,7 @@ def _decoded(path: Path, raw: bytes) -> str:
             return raw.decode(name)
         except UnicodeDecodeError:
             continue
-    raise _refused(path, "not a CSV file in UTF-8, UTF-16 or Windows-1252: save it as CSV UTF-8")
+    raise refused(None, "not a CSV file in UTF-8, UTF-16 or Windows-1252: save it as CSV UTF-8", path)
 
 
 def _texts(path: Path, text: str) -> Iterator[Sheet]:
@@ -230,7 +230,7 @@ def _texts(path: Path, text: str) -> Iterator[Sheet]:
             continue
         yield Sheet(str(path), "", lines[bool(named) :], separator)
     if len(faults) == len(chosen):
-        raise _refused(path, f"not a CSV file ({faults[-1]})")
+        raise refused(None, f"not a CSV file ({faults[-1]})", path)
 
 
 def _workbook(path: Path, raw: bytes) -> list[Sheet]:
@@ -249,7 +249,7 @@ def _workbook(path: Path, raw: bytes) -> list[Sheet]:
         raise
     except Exception as error:  # a broken archive raises many types
         why = str(error) or type(error).__name__
-        raise _refused(path, f"not an Excel workbook ({why[:MOST_WORDS]})") from None
+        raise refused(None, f"not an Excel workbook ({why[:MOST_WORDS]})", path) from None
 
 
 def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> Sheet:
@@ -271,7 +271,8 @@ def _sheet(path: Path, archive: zipfile.ZipFile, values: Any, formulas: Any) -> 
                     text = cell.value if isinstance(cell.value, str) else "array formula"
                     cells = by_line.setdefault(cell.row, [])
                     cells += [None] * (cell.column - len(cells))
-                    cells[cell.column - 1] = Unread(text, _no_value(cell.coordinate, text))
+                    why = f"cell {cell.coordinate} holds the formula {quoted(text)} without a stored value: open and "
+                    cells[cell.column - 1] = Unread(text, f"{why}save the file in Excel, or write the number")
         lines = sorted(by_line.items())
     merged = []
     for ref in re.findall(rb'<mergeCell [^>]*?ref="([A-Z0-9:]+)"', xml):
@@ -302,18 +303,12 @@ def _hidden(xml: bytes, tag: bytes, size: bytes) -> list[bytes]:
     return [each for each in tags if wanted.search(each)]
 
 
-def _no_value(coordinate: str, formula: str) -> str:
-    shown = quoted(formula)
-    return f"cell {coordinate} holds the formula {shown} without a stored value: open and save the file in Excel, " \
-           "or write the number"  # fmt: skip
-
-
 def _rows(path: Path, sheet: Any) -> Iterator[Line]:
     """Yield the lines of a sheet that are not blank."""
     for line, cells in enumerate(sheet.iter_rows(), start=1):
         if line > MOST_ROWS:
             words = f"sheet {quoted(sheet.title)} has more than {MOST_ROWS:,} lines"
-            raise _refused(path, f"is too large for a table ({words})")
+            raise refused(None, f"is too large for a table ({words})", path)
         values = [_value(cell) for cell in cells]
         if any(value is not None for value in values):
             yield line, values
@@ -342,8 +337,6 @@ def _at(cells: list[Cell], column: int) -> Cell:
 
 def _refuse_large(path: Path, size: int, words: str = "") -> None:
     if size > MOST_BYTES:
-        raise _refused(path, f"is too large for a table ({size / 1e6:,.0f} MB{words}, at most {MOST_BYTES / 1e6:.0f})")
-
-
-def _refused(path: Path, message: str) -> UserInputError:
-    return UserInputError([Problem(file=str(path), message=message)])
+        raise refused(
+            None, f"is too large for a table ({size / 1e6:,.0f} MB{words}, at most {MOST_BYTES / 1e6:.0f})", path
+        )

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from pysprings.core.arrays import Array, Integers
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.tables.files import (
     Cell,
     Line,
@@ -191,9 +191,9 @@ def _one(path: Path, known: Headings, what: str, sheets: list[Sheet] | None = No
     found = [sheet for sheet in seen if _head(sheet, known)[1] > 1]
     if len(found) > 1:
         names = ", ".join(quoted(sheet.name) for sheet in found)
-        raise UserInputError([Problem(str(path), message=f"the sheets {names} each hold {what}: keep one of them")])
+        raise refused(None, f"the sheets {names} each hold {what}: keep one of them", path)
     if not found and any(_head(sheet, known)[1] > 1 for sheet in sheets):
-        raise UserInputError([Problem(str(path), message=f"the sheet that holds {what} is hidden: unhide it")])
+        raise refused(None, f"the sheet that holds {what} is hidden: unhide it", path)
     chosen = found or [sheet for sheet in seen if sheet.lines][:1]
     return _table(chosen[0] if chosen else Sheet(str(path), "", []), known, Faults())
 
