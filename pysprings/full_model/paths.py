@@ -64,7 +64,9 @@ class PathRun:
         if model.water is not None:
             self.water = WaterBalance(self.on.system, initial_fields(model))
         self.energy = EnergyBalance(self.on.system)
-        self.collector = make_collector(scene, self.on, self.water, _sea(scene))
+        water = scene.drainage  # whose suction is checked against cavitation where the depth of the sea is known
+        sea = None if water.water_depth is None else (water.water_unit_weight, water.water_depth)
+        self.collector = make_collector(scene, self.on, self.water, sea)
         self.extra = self.on.built.extra_load_of(scene.vertical_load_of(path))
         self.n_dead, self.stage, self.time = int(self.extra != 0.0), 0, 0.0
         self.n_stages = self.n_dead + len(self._path_stages(0.0))
@@ -290,12 +292,6 @@ class _Ended(NotConverged):
     def __init__(self, diagnosis: Diagnosis) -> None:
         super().__init__(str(diagnosis))
         self.diagnosis = diagnosis
-
-
-def _sea(scene: Scene) -> tuple[float, float] | None:
-    """Return the unit weight (N/m3) and depth (m) of the sea, where suction is checked against cavitation."""
-    drainage = scene.drainage
-    return None if drainage.water_depth is None else (drainage.water_unit_weight, drainage.water_depth)
 
 
 def run_paths(work: Work, loaded: Loaded, workers: Workers | None) -> None:

@@ -170,7 +170,8 @@ class Comparison:
     def _between(self, path: SpringPath, spring_set: str) -> dict[str, float]:
         """Return the largest error [%] on a calibration path when every second state is left out of its own springs."""
         springs = self.springs.answering(path)
-        if path.n <= FEWEST_THINNED or not _reproduces(springs, path, spring_set):
+        own = path.calibrates if spring_set == VERTICAL else SPRING_SETS[spring_set].reproduces(springs, path)
+        if path.n <= FEWEST_THINNED or not own:
             return measures.between({})
         thinned = _thinned(springs, path.name)
         if spring_set == VERTICAL:
@@ -232,11 +233,6 @@ def _springs_of(model: Springs | xr.DataTree) -> Springs:
 def _source(path: SpringPath, spring_set: str) -> str | None:
     """Return the path whose springs answer a full-model path: its own if it calibrates; None: the usual ones."""
     return path.name if path.calibrates and not SPRING_SETS[spring_set].several else None
-
-
-def _reproduces(springs: Springs, path: SpringPath, spring_set: str) -> bool:
-    """Return whether a spring set meets the recorded states of a path by construction."""
-    return path.calibrates if spring_set == VERTICAL else SPRING_SETS[spring_set].reproduces(springs, path)
 
 
 def _thinned(springs: Springs, name: str) -> Springs:

@@ -77,7 +77,8 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
         return (
             "nothing to compare: no springs of this run answer on its paths (none was calibrated in their direction)\n"
         )
-    vertical = several_loads(frame)
+    first = frame["V_N"].iloc[0]
+    vertical = (frame["kind"] == VERTICAL).any() or not all(same_load(V, first) for V in frame["V_N"])
     left_out = {*_OF_THE_REPORT, *(() if vertical else _VERTICAL)}
     left_out -= {"w_error_max_m"} if "T_error_max_pct" in frame else set()
     rows = frame.to_dict("records")
@@ -96,12 +97,6 @@ def to_text(frame: pd.DataFrame, brief: bool = False) -> str:
     reference = str(frame.attrs.get("reference", FULL_MODEL))
     notes = [f"full model: {reference}, none of this caisson"] * (reference != FULL_MODEL) + notes
     return "\n".join(lines + notes + ended + _marked(frame)) + "\n"
-
-
-def several_loads(frame: pd.DataFrame) -> bool:
-    """Return whether a comparison has vertical paths, or paths at several vertical loads."""
-    load = frame["V_N"]
-    return bool((frame["kind"] == VERTICAL).any() or not all(same_load(V, load.iloc[0]) for V in load))
 
 
 def _marked(frame: pd.DataFrame) -> list[str]:

@@ -65,11 +65,6 @@ class Followed:
         return _work(*self.full), _work(*self.macro)
 
 
-def is_sequence(path: SpringPath) -> bool:
-    """Return whether a path turns back, or H and M change their ratio on it."""
-    return not path.is_vertical and (path.turns_back or path.bends)
-
-
 def follow_path(path: SpringPath, model: MacroModel) -> Followed:
     """Drive springs along a path of the full model, as that was driven."""
     motions = np.stack([path.u, path.rotation], axis=1)
@@ -87,7 +82,7 @@ def follow_path(path: SpringPath, model: MacroModel) -> Followed:
 def sequences(springs: Springs, sets: tuple[str, ...] = SETS) -> Iterator[Followed]:
     """Yield the sequences of a set of springs on each of these spring sets that the springs give."""
     for path in springs.paths.values():
-        if is_sequence(path):
+        if not path.is_vertical and (path.turns_back or path.bends):
             own = springs.answering(path)
             for name in (name for name in sets if name in spring_sets(own)):
                 yield follow_path(path, MacroModel.from_springs(own, name))

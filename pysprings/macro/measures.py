@@ -152,15 +152,12 @@ def _point_error(path: SpringPath, answer: xr.Dataset, n: int) -> float:
 
 
 def rotation_points(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
-    """Return the depth [m] of the point at rest in the last state of both models."""
-    n = answer.sizes["step"]
+    """Return the depth u/rotation [m] of the point at rest in the last state of both models; NaN for a translation."""
+    n, found = answer.sizes["step"], {}
     both = {"full": (path.u, path.rotation), "macro": (answer["u"].values, answer["rotation"].values)}
-    return {f"rotation_point_{who}_m": _rotation_point(*motion, n, path.length) for who, motion in both.items()}
-
-
-def _rotation_point(u: Array, rotation: Array, n: int, length: float) -> float:
-    """Return the depth [m] of the point of the axis at rest in state n, u/rotation; NaN for a translation."""
-    x, turn = (float(u[n - 1]), float(rotation[n - 1])) if n else (0.0, 0.0)
-    # an imposed rotation of 0 is met to rounding only
-    turns = abs(turn) * length > max(1e-9 * abs(x), NO_TURN * length)
-    return x / turn if turns else float("nan")
+    for who, (u, rotation) in both.items():
+        x, turn = (float(u[n - 1]), float(rotation[n - 1])) if n else (0.0, 0.0)
+        # an imposed rotation of 0 is met to rounding only
+        turns = abs(turn) * path.length > max(1e-9 * abs(x), NO_TURN * path.length)
+        found[f"rotation_point_{who}_m"] = x / turn if turns else float("nan")
+    return found

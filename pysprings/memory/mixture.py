@@ -246,15 +246,12 @@ class ChangingLoad:
         if past.still:
             return past
         V, way = past.V, float(np.hypot(*(motion - self._flexibility @ change)))
-        lagging, closed = (np.exp(-way / (share * self._reach)) for share in (LAG, RENEWED))
+        reach = min(each.reach for each in self.sets)
+        lagging, closed = (np.exp(-way / (share * reach)) for share in (LAG, RENEWED))
         mobilised = V + lagging * (past.mobilised - V)
         near = abs(mobilised - V) <= CLOSE * (self.loads[-1] - self.loads[0])
         low, high = (float(V + closed * (load - V)) for load in (past.low, past.high))
         return Past(V, past.top, low, high, V if near else float(mobilised))
-
-    @cached_property
-    def _reach(self) -> float:
-        return min(each.reach for each in self.sets)
 
     @cached_property
     def _flexibility(self) -> Array:

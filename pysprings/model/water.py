@@ -30,13 +30,15 @@ def make_water(scene: Scene, caisson: CaissonMesh, stations: Stations) -> tuple[
     depth = _depths(scene, mesh)
     bulk, shear = _moduli(scene, depth)
     wet = _wet(scene, depth)
+    outside = np.isin(np.arange(film.n_nodes), film.faces[film.area.any(axis=1)], invert=True)  # no face has a film
+    diagonal = np.linalg.norm(mesh.nodes[mesh.hexes[:, 6]] - mesh.nodes[mesh.hexes[:, 0]], axis=1)
     water = Water(
         mobility=mobility(scene, depth),
         storage=_storage(scene),
         stabilisation=drainage.stabilisation * biot.projection_factor(bulk, shear),
-        fixed=np.concatenate([fixed, fixed[film_mesh_node] | _outside_film(film)]),
+        fixed=np.concatenate([fixed, fixed[film_mesh_node] | outside]),
         initial=np.zeros(mesh.n_nodes + film.n_nodes),
-        scale=float(np.median(shear if wet is None else shear[wet])) / _cell_size(mesh),
+        scale=float(np.median(shear if wet is None else shear[wet])) / float(np.median(diagonal)),
         film=film,
         wet=wet,
     )
@@ -252,11 +254,6 @@ def mudline_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     return float((2.0 * top) ** 2 / (mobility(scene, top) * (bulk + 4.0 * shear / 3.0)))
 
 
-def _cell_size(mesh: Mesh) -> float:
-    """Return the typical edge of the cells, m: most of them are near the caisson."""
-    return float(np.median(np.linalg.norm(mesh.nodes[mesh.hexes[:, 6]] - mesh.nodes[mesh.hexes[:, 0]], axis=1)))
-
-
 def _drained_nodes(scene: Scene, caisson: CaissonMesh) -> np.ndarray:
     """Return nodes (n,) bool without unknown pressure: mudline outside the caisson, a side that drains, dry soil."""
     mesh = caisson.mesh
@@ -338,11 +335,6 @@ def _wetted(mesh: Mesh, faces: np.ndarray, surface: np.ndarray, beside: np.ndarr
         nodal = held[node[:, 0]] / size[node[:, 0]]
         shares[mine] = np.where(stations.weight[mine, 0] < 1.0, central, nodal)
     return shares
-
-
-def _outside_film(film: Film) -> np.ndarray:
-    """Return the film nodes (nf,) bool of which no face has a film."""
-    return np.isin(np.arange(film.n_nodes), film.faces[film.area.any(axis=1)], invert=True)
 
 
 def _corners(faces: np.ndarray, surface: np.ndarray, stations: Stations) -> np.ndarray:

@@ -38,8 +38,8 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _series(scene)
     yield from _solver(scene.solver)
     yield from _viscous(scene.solver, scene.caisson)
-    if scene.drainage.mode == "coupled":
-        yield from _pace(scene.springs)
+    if scene.drainage.mode == "coupled" and scene.springs.reach is not None and not scene.springs.rates:
+        yield Clash((("springs", "rates"), _REACH), 'drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]')
     twice = [*_twice(scene.springs, scene.caisson)]
     yield from twice or _load_paths(scene)
     yield from space_clashes(scene)
@@ -224,11 +224,6 @@ def _load_paths(scene: SceneSections) -> Iterator[Clash]:
     for clash in (*_paths((*scene.paths, *of_fan)), *(_times(scene.paths) if coupled else ())):
         keys = (key if key[0] != "path" or int(key[1]) < own else _REACH for key in clash.keys)
         yield Clash(tuple(dict.fromkeys(keys)), clash.message)
-
-
-def _pace(springs: Springs) -> Iterator[Clash]:
-    if springs.reach is not None and not springs.rates:
-        yield Clash((("springs", "rates"), _REACH), 'drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]')
 
 
 def _twice(springs: Springs, caisson: Caisson) -> Iterator[Clash]:

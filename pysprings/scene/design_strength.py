@@ -97,8 +97,8 @@ def _reduce(table: dict[str, Any], factors: StrengthFactors, top: float, bottom:
 
     before = table.get("friction_angle_final")
     if before is not None and factors.tan_phi != 1.0:
-        table["friction_angle_final"] = _each(before, reduced, top, bottom)
-        least = _least(table["friction_angle_final"])
+        after = table["friction_angle_final"] = _each(before, reduced, top, bottom)
+        least = min(after["top"], after["bottom"]) if isinstance(after, dict) else after
         for name in ("friction_angle_initial", "dilation_angle"):
             if table.get(name) is not None and table[name] != "auto":
                 table[name] = _each(table[name], lambda angle: min(angle, least), top, bottom)
@@ -118,10 +118,6 @@ def _each(value: Any, change: Callable[[float], float], top: float, bottom: floa
         return {"top": change(value["top"]), "bottom": change(value["bottom"])} | to
     end = value["top"] + value["gradient"] * (bottom - top)
     return {"top": change(value["top"]), "bottom": change(end), "to": bottom}
-
-
-def _least(value: Any) -> float:
-    return min(value["top"], value["bottom"]) if isinstance(value, dict) else float(value)
 
 
 def _divided(value: Any, factor: float) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from pysprings.core.units import show
-from pysprings.scene.by_depth import ByDepth, Profile, Value, follows_stress
+from pysprings.scene.by_depth import ByDepth, Profile, follows_stress
 from pysprings.scene.fields import Interval, Quantity
 from pysprings.scene.ground import Stratum, given_values, make_ground
 from pysprings.scene.positions import Clash, KeyPath
@@ -245,12 +245,9 @@ def _with_room(soil: Soil, domain: Extent) -> Iterator[Stratum]:
         if layer.top < end:
             pair = soil.model_copy(update={"layers": soil.layers[number : number + 2]})
             stratum = make_ground(pair, domain).strata[0]
-            values = {name: value for name, value in stratum.values.items() if not _by_stress(value)}
-            yield replace(stratum, number=number, values=values)
-
-
-def _by_stress(value: Value) -> bool:
-    return isinstance(value, ByDepth) and value.reference_stress is not None
+            stresses = {name: getattr(value, "reference_stress", None) for name, value in stratum.values.items()}
+            known = {name: value for name, value in stratum.values.items() if stresses[name] is None}
+            yield replace(stratum, number=number, values=known)
 
 
 def _inside(soil: Soil, stratum: Stratum) -> Iterator[Clash]:

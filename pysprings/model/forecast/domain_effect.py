@@ -52,7 +52,10 @@ def domain_effect(scene: Scene) -> DomainEffect:
     caisson, extent = scene.caisson, scene.extent
     diameter, below = caisson.outer_diameter, extent.depth - caisson.skirt_length
     radius, tip = extent.radius / diameter, below / diameter
-    at = (caisson.skirt_length / diameter, _poisson(scene), radius - 0.5, tip)
+    ratio = 0.5  # water that has no time to flow holds its volume
+    if scene.drainage.mode == "drained":
+        ratio = float(scene.ground.value("poisson_ratio", np.array(caisson.skirt_length)))
+    at = (caisson.skirt_length / diameter, ratio, radius - 0.5, tip)
     bounds = dict(zip(STIFFNESSES, _bounds(at, scene.domain.side).tolist(), strict=True))
     if all(value <= TIGHT[name] for name, value in bounds.items()):
         return DomainEffect(radius, tip, bounds, ())
@@ -68,12 +71,6 @@ def domain_effect(scene: Scene) -> DomainEffect:
 
 def _shown(percent: float) -> str:
     return f"{percent:.0f} %" if percent < MOST_SHOWN else f"more than {MOST_SHOWN:g} %"
-
-
-def _poisson(scene: Scene) -> float:
-    """Return Poisson's ratio of the soil as it answers at once: water that has no time to flow holds its volume."""
-    tip = np.array(scene.caisson.skirt_length)
-    return 0.5 if scene.drainage.mode != "drained" else float(scene.ground.value("poisson_ratio", tip))
 
 
 def _bounds(at: tuple[float, float, float, float], side: str) -> np.ndarray:

@@ -54,7 +54,9 @@ def describe(scene: Scene) -> dict[str, Any]:
     symmetric = symmetric_factors(scene)
     memory = model_bytes(scene, symmetric) + steps
     effect = domain_effect(scene)
-    warnings = [*_memory_warning(memory), *effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
+    free = memory_available()  # other programs may leave too little
+    warnings = [f"the run needs about {gigabytes(memory)} of memory; {gigabytes(free)} are free now"] * (memory > free)
+    warnings += [*effect.remarks, *scene_warnings(scene), *penalty_of(scene).remarks]
     warnings += [*fast_paths(scene, mesh), *remarks(scene)]
     V = 2.0 * (built.balanced_load + built.extra_load)
     time = seconds(scene, unknowns, symmetric=symmetric)
@@ -163,11 +165,3 @@ def _contact(scene: Scene) -> dict[str, Any]:
         "largest_initial_penetration_m": penalty.penetration,
         "loss_of_elastic_stiffness_percent": 100.0 * penalty.stiffness_loss,
     }
-
-
-def _memory_warning(memory: float) -> list[str]:
-    """Return a warning if other programs leave too little memory now."""
-    free = memory_available()
-    if memory <= free:
-        return []
-    return [f"the run needs about {gigabytes(memory)} of memory; {gigabytes(free)} are free now"]

@@ -32,11 +32,6 @@ def superlu_time(unknowns: int) -> float:
     return max(1.0, _TIME * (unknowns / _UNKNOWNS) ** _TIME_EXPONENT)
 
 
-def rslab_time(unknowns: int) -> float:
-    """Return the time of an increment with rslab over that with Pardiso, at least 1."""
-    return max(1.0, (unknowns / _UNKNOWNS) ** _RSLAB_EXPONENT)
-
-
 def superlu_bytes(unknowns: int) -> float:
     """Return the memory that SuperLU needs beyond Pardiso's, in bytes."""
     return _BYTES * (unknowns / _UNKNOWNS) ** _BYTES_EXPONENT
@@ -103,7 +98,7 @@ def seconds(
     if uses_superlu(scene) if superlu is None else superlu:
         paths *= superlu_time(unknowns)
     elif superlu is None and linear_solver(scene) == "rslab":
-        paths *= rslab_time(unknowns)
+        paths *= max(1.0, (unknowns / _UNKNOWNS) ** _RSLAB_EXPONENT)  # over the time with Pardiso
     return pictures + _START + (_SYMMETRIC if symmetric else 1.0) * paths
 
 
