@@ -251,20 +251,18 @@ def _along(path: SpringPath, model: MacroModel) -> xr.Dataset:
 
 
 def along_path(path: SpringPath, model: MacroModel, V: float | Array | None = None) -> xr.Dataset:
-    """Drive a macro-model as the full model was driven, through the states it recorded.
+    """Drive a macro-model as the full model was driven, through the states it recorded, and under its loads.
 
-    V: vertical load [N], one number or one a state; None: that of the springs.
+    V: vertical load [N], one number or one a state; None: that of the springs. `u_at_load` is NaN beyond the loads that
+    the macro-model carries.
     """
     control: Control = "displacement" if path.rules.free_head else "state"
     arm = path.arm if path.rules.free_head else 0.0
     answer = trace(model, control, np.stack([path.u, path.rotation], axis=1), arm, V)
-    return answer.assign(u_at_load=("step", _at_load(path, model, answer.sizes["step"]), AT_LOAD))
-
-
-def _at_load(path: SpringPath, model: MacroModel, n: int) -> Array:
-    """Return u [m] of the macro-model under the loads of the full model, by state; NaN beyond what it carries."""
+    n = answer.sizes["step"]
     solved, _, _ = model.solve("load", np.stack([path["H"][:n], path["M"][:n]], axis=1))
-    return np.append(solved[:, 0], np.full(n - len(solved), np.nan))
+    u = np.append(solved[:, 0], np.full(n - len(solved), np.nan))
+    return answer.assign(u_at_load=("step", u, AT_LOAD))
 
 
 REPEATS = 5

@@ -9,7 +9,7 @@ from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import loads_in_words
-from pysprings.macro.fan import WIDEST, FanTable
+from pysprings.macro.fan import WIDEST
 from pysprings.macro.vertical import VerticalTable, covered
 from pysprings.macro.ways import RANGE_SLACK, Control
 from pysprings.memory.elements import STATES, advance
@@ -130,11 +130,11 @@ class MemoryStepper:
     def marks(self) -> StepMarks:
         """What of the last trial state the springs do not cover; before the first step that of the state at rest."""
         model, (V, duration) = self.model, self._conditions
-        used, aside = lateral_marks(model.table, (float(self._trial[1][0]), float(self._trial[1][1])))
-        moved = self._moved
+        state, moved = self._trial[1][None], self._moved
+        used, sector, _ = model.table.support(state)
         return StepMarks(
-            range_used=used,
-            off_path=aside,
+            range_used=float(used[0]),
+            off_path=bool(sector[0] > WIDEST + RANGE_SLACK and state.any()),  # between rays too far apart
             off_load=self._off_load(V),
             off_rate=rate_mark(model.rate, moved, duration),
             way_used=(self.way + moved) / model.elements.way,
@@ -217,13 +217,6 @@ class MemoryStepper:
         self.offset, self.past = self._kept(), self._then
         self.state, self.motion, self.load = state.copy(), motion.copy(), load.copy()
         self._conditions = self._conditions[0], None  # what has drained has
-
-
-def lateral_marks(table: FanTable, state: tuple[float, float]) -> tuple[float, bool]:
-    """Return range used by a state (u [m], rotation [rad]), and whether it is between rays too far apart."""
-    states = np.array([state], dtype=float)
-    used, sector, _ = table.support(states)
-    return float(used[0]), bool(sector[0] > WIDEST + RANGE_SLACK and states.any())
 
 
 def checked_step(V: float | None, duration: float | None) -> None:

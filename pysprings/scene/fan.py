@@ -38,7 +38,8 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
     if springs.reach is None:
         return ()
     rates = springs.rates or (None,)
-    parts = [*_rays(springs, caisson, rates, ray_angles(springs))]
+    angles = tuple(float(f"{math.degrees(angle):.9g}") for angle in springs.rays) or RAYS
+    parts = [*_rays(springs, caisson, rates, angles)]
     if springs.vertical:
         parts += _vertical(springs, rates[0])
     if springs.memory:
@@ -68,11 +69,6 @@ def _legs(reach: float, legs: Sequence[tuple[float, float]]) -> dict[str, Any]:
     (first, angle), *more = ((share * reach, math.radians(degrees)) for share, degrees in legs)
     then = tuple(Then(length, towards=towards) for length, towards in more)
     return {"kind": _PULL, "lateral_displacement": first, "direction": angle, "then": then}
-
-
-def ray_angles(springs: Springs) -> tuple[float, ...]:
-    """Return the directions of the rays of a fan, degrees."""
-    return tuple(float(f"{math.degrees(angle):.9g}") for angle in springs.rays) or RAYS
 
 
 def few_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:

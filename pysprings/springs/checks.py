@@ -117,16 +117,13 @@ def _type_faults(tree: xr.DataTree) -> Iterator[tuple[str, str]]:
     for key in ("dof", "dof_conjugate"):
         if tuple(tree.dataset[key].values) != variables.DOFS:
             yield key, f"labels must be {', '.join(variables.DOFS)}"
-    for name, space in space_paths_of(tree).items():
-        if wrong := name_fault(name):
-            yield f"space/{quoted(name)}", wrong
-        problems = number_faults(space.recorded, "space_path")
-        yield from ((f"space/{name}/{key}", text) for key, text in problems)
-    for name, path in paths_of(tree).items():
-        if wrong := name_fault(name):
-            yield f"paths/{quoted(name)}", wrong
-        problems = number_faults(path.recorded, "springs_path")
-        yield from ((f"paths/{name}/{key}", text) for key, text in problems)
+    groups = ("space", "space_path", space_paths_of(tree)), ("paths", "springs_path", paths_of(tree))
+    for group, described, paths in groups:
+        for name, path in paths.items():
+            if wrong := name_fault(name):
+                yield f"{group}/{quoted(name)}", wrong
+            problems = number_faults(path.recorded, described)
+            yield from ((f"{group}/{name}/{key}", text) for key, text in problems)
 
 
 def _resists(stiffness: np.ndarray) -> bool:

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import ValidationInfo
 
-from pysprings.core.arrays import Array
 from pysprings.core.units import quoted, show
 from pysprings.scene.by_depth import Profile
 from pysprings.scene.fields import Field, Interval, Number, Quantity, refuse
@@ -103,18 +102,12 @@ def _faults(pairs: list[tuple[float, float]]) -> Iterator[str]:
             yield f"row {n}: G/G_0 must not be more than in the row before ({r:g})"
         elif b * s <= a * r:
             yield f"row {n}: the stress, G times strain, must be more than in the row before"
-    slopes = _slopes(pairs)
+    strain, ratio = np.array([(0.0, 1.0), *pairs]).T
+    slopes = np.diff(strain * ratio) / np.diff(strain)  # over G_0, of the backbone from the origin on
     for n, (before, after) in enumerate(pairwise(slopes), 1):
         if after > before * (1.0 + (_SAME_STRAIN if n > 1 else -_FIRST)):
             text = f"row {n}: the stress must rise less steeply after it than before "
             yield f"{text}(slopes {before:.4g}, {after:.4g} G_0)"
-
-
-def _slopes(pairs: list[tuple[float, float]]) -> Array:
-    """Return the slopes over G_0 of the backbone from the origin to the first pair, and from pair to pair."""
-    strain, ratio = np.array([(0.0, 1.0), *pairs]).T
-    slopes: Array = np.diff(strain * ratio) / np.diff(strain)
-    return slopes
 
 
 def small_strain_modulus(vertical_stress: Any, plasticity_index: Any, overconsolidation_ratio: Any) -> np.ndarray:
