@@ -61,11 +61,9 @@ def make_series_water(
     """Return the water of the scene on a section, around half a circle or the whole one; None where it is drained."""
     if scene.drainage.mode == "drained":
         return None
-    mesh, depth = section.mesh, _section_depths(scene, section)
-    film, edge = (
-        _ring_film(scene, section, stations, elements.span(whole)),
-        mesh.nodes[mesh.quads[:, 2]] - mesh.nodes[mesh.quads[:, 0]],
-    )
+    mesh, depth = section.mesh, _depths(scene, section.mesh)
+    film = _ring_film(scene, section, stations, elements.span(whole))
+    edge = mesh.nodes[mesh.quads[:, 2]] - mesh.nodes[mesh.quads[:, 0]]
     fixed = drained_corners(scene, section)
     fixed = np.concatenate([fixed, fixed_film(scene, section, fixed)])
     wet, shear = _wet(scene, depth), _moduli(scene, depth)[1]
@@ -93,7 +91,7 @@ def drained_corners(scene: Scene, section: CaissonSection) -> np.ndarray:
     """
     mesh, node = section.mesh, section.mesh.corners
     rim = mesh.nodes[section.walls["outside"][0], 0]
-    fixed = _without_pressure(scene, mesh.corner_numbers(mesh.quads[:, :4]), _section_depths(scene, section), len(node))
+    fixed = _without_pressure(scene, mesh.corner_numbers(mesh.quads[:, :4]), _depths(scene, section.mesh), len(node))
     if scene.drainage.mode == "undrained":
         return fixed
     fixed |= (mesh.nodes[node, 1] == 0.0) & (mesh.nodes[node, 0] > rim * (1.0 - 1e-9))
@@ -118,13 +116,6 @@ def _wet_pieces(scene: Scene, section: CaissonSection) -> dict[str, np.ndarray]:
     return wet
 
 
-def _section_depths(scene: Scene, section: CaissonSection) -> np.ndarray:
-    """Return depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
-    if scene.ground.is_uniform:
-        return np.array(0.0)
-    return np.asarray(section.mesh.nodes[section.mesh.quads[:, :4]].mean(axis=1)[:, 1])
-
-
 def film_corners(section: CaissonSection) -> np.ndarray:
     """Return the corners (nf,) of the section's faces, ascending: the nodes of the film."""
     return np.unique(np.concatenate([line[::2] for line in section.lines.values()]))
@@ -133,9 +124,7 @@ def film_corners(section: CaissonSection) -> np.ndarray:
 def _ring_film(scene: Scene, section: CaissonSection, stations: RingStations, span: float) -> RingFilm:
     """Return one film from mudline outside round the tip to the lid, through the angle ``span`` (rad).
 
-    Its nodes are corners of the section.
-
-    Pieces of it beside soil that holds no water have no film.
+    Its nodes are corners of the section. Pieces of it beside soil that holds no water have no film.
     """
     mesh, lines, wet = section.mesh, section.lines, _wet_pieces(scene, section)
     corner = film_corners(section)
@@ -216,11 +205,16 @@ def mobility(scene: Scene, depth: np.ndarray) -> np.ndarray:
     return scene.ground.value("hydraulic_conductivity", depth) / scene.drainage.water_unit_weight
 
 
-def _depths(scene: Scene, mesh: Mesh) -> np.ndarray:
+def _depths(scene: Scene, mesh: Mesh | SectionMesh) -> np.ndarray:
     """Return depths (ne,) m of the centres of the elements; one depth, (), where the ground is the same everywhere."""
     if scene.ground.is_uniform:
         return np.array(0.0)
-    return np.asarray(mesh.nodes[mesh.hexes].mean(axis=1)[:, 2])
+    return np.asarray(mesh.nodes[_corners_of(mesh)].mean(axis=1)[:, -1])
+
+
+def _corners_of(mesh: Mesh | SectionMesh) -> np.ndarray:
+    """Return the corners (ne, k) of the elements."""
+    return mesh.quads[:, :4] if isinstance(mesh, SectionMesh) else mesh.hexes
 
 
 def _moduli(scene: Scene, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -245,8 +239,7 @@ def undrained_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
 
 def mudline_time(scene: Scene, mesh: Mesh | SectionMesh) -> float:
     """Return the time in which water crosses the first element below mudline, s: h2/c_v with its height h; 0 if dry."""
-    corner = mesh.quads[:, :4] if isinstance(mesh, SectionMesh) else mesh.hexes
-    depth = mesh.nodes[corner, -1]
+    depth = mesh.nodes[_corners_of(mesh), -1]
     top = np.array(0.5 * depth[depth > 0.0].min())
     if not scene.ground.holds_water(top, scene.drainage.mode):
         return 0.0
