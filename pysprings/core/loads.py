@@ -94,8 +94,7 @@ def nearest(values: Array, loads: Array) -> NDArray[np.intp]:
     above = np.searchsorted(loads[order], own).clip(0, order.size - 1)
     sides = order[np.stack([np.maximum(above - 1, 0), above])]
     low, high = (_apart(own, loads[side]) for side in sides)
-    found: NDArray[np.intp] = sides[(high < low).astype(int), np.arange(own.size)]
-    return found
+    return sides[(high < low).astype(int), np.arange(own.size)]
 
 
 def fewest_loads(values: Iterable[float], rest: float) -> tuple[float, ...]:

@@ -43,8 +43,7 @@ class FourierCollector(Collector):
     def _ring_stations(self, side: str) -> np.ndarray:
         """Return the station number of each node of a wall, (na, nz)."""
         mine = np.flatnonzero(self.surface == SURFACE[SIDES[side]])
-        by_ring: np.ndarray = mine.reshape(-1, len(self.built.azimuth)).T
-        return by_ring
+        return mine.reshape(-1, len(self.built.azimuth)).T
 
     def _wall_fields(self, state: Fields, traction: np.ndarray, water: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields on both walls, (side, azimuth, depth): means of the slices."""
@@ -100,8 +99,7 @@ class FourierCollector(Collector):
         return np.zeros(len(self.surface)) if water is None else water.film_pressure(state.pressure)
 
     def _wet_pressures(self, state: Fields) -> np.ndarray:
-        pressures: np.ndarray = (state.pressure @ self._wave.T).ravel()
-        return pressures
+        return (state.pressure @ self._wave.T).ravel()
 
     def _pressure_range(self, state: Fields) -> dict[str, float]:
         every, soil = self._wet_pressures(state), len(self.built.section.mesh.corners) * len(self.azimuth)
@@ -132,8 +130,7 @@ def beside(stations: np.ndarray, azimuth: np.ndarray) -> np.ndarray:
     """Return the mean (na, number of stations) of the stations that are nearest to each azimuth."""
     apart = np.abs(azimuth[:, None] - stations)
     near = apart < apart.min(axis=1, keepdims=True) + 1e-9
-    mean: np.ndarray = near / near.sum(axis=1, keepdims=True)
-    return mean
+    return near / near.sum(axis=1, keepdims=True)
 
 
 def around(stations: np.ndarray, azimuth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -174,8 +171,7 @@ class _Plane:
 
     def pressure(self, state: Fields) -> np.ndarray:
         """Return the excess pore pressure in the plane, Pa."""
-        pressures: np.ndarray = np.sum(state.pressure[self._corner] * self._wave, axis=1)
-        return pressures
+        return np.sum(state.pressure[self._corner] * self._wave, axis=1)
 
 
 def fourier_section_dataset(built: BuiltFourier) -> xr.Dataset:

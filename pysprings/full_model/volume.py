@@ -119,8 +119,7 @@ class FourierVolume(Volume):
         r, t, z = (np.einsum("jk,nk->jn", self._wave[..., w], move[:, i]) for i, w in enumerate((0, 1, 0)))
         c, s = np.cos(self.edges)[:, None], np.sin(self.edges)[:, None]
         move = np.stack([c * r - s * t, s * r + c * t, z], axis=-1).reshape(-1, 3)
-        whole: np.ndarray = move + self.rigid @ state.border
-        return whole
+        return move + self.rigid @ state.border
 
     def _stress(self, state: Fields) -> np.ndarray:
         """Return the mean stress (cells, 6) of the soil in global axes."""
@@ -134,8 +133,7 @@ class FourierVolume(Volume):
     def _mean(self, values: np.ndarray) -> np.ndarray:
         """Return the means (M, ne, nv) over the points of a section at each azimuth."""
         ne, _, nv = values.shape
-        mean: np.ndarray = values.reshape(ne, elements.N_POINTS, -1, nv).mean(axis=1).transpose(1, 0, 2)
-        return mean
+        return values.reshape(ne, elements.N_POINTS, -1, nv).mean(axis=1).transpose(1, 0, 2)
 
     def _pressure(self, state: Fields) -> np.ndarray:
         """Return the excess pore pressure (n,), Pa; 0 in steel."""

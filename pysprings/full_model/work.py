@@ -348,8 +348,7 @@ def _film(on: Work | Whole, state: Fields) -> np.ndarray:
     assert isinstance(system, FourierSystem)
     if system.water is None:
         return np.zeros(len(system.film_area))
-    pressure: np.ndarray = system.water.film_pressure(state.pressure) * system.film_area / system.stations.area
-    return pressure
+    return system.water.film_pressure(state.pressure) * system.film_area / system.stations.area
 
 
 def section_of(built: Built | BuiltFourier) -> xr.Dataset:

@@ -191,8 +191,7 @@ def _difference(found: xr.Dataset, space: SpaceAnswers, V: Array) -> Array:
     scale, lateral = np.array([1.0, 1.0, space.length, space.length]), SPACE_TURNS[:4]
     here, there = (scale * np.stack([each[name] for name in lateral], axis=1) for each in (own, found))
     size = np.linalg.norm(there, axis=1)
-    apart: Array = 100.0 * np.linalg.norm(here - there, axis=1) / np.where(size > 0.0, size, np.nan)
-    return apart
+    return 100.0 * np.linalg.norm(here - there, axis=1) / np.where(size > 0.0, size, np.nan)
 
 
 def answer_loads(

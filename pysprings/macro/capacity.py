@@ -284,8 +284,7 @@ def _moved(model: MacroModel, states: Array) -> Array:
     diameter = float(model.attrs.get("outer_diameter_m", np.inf))
     share, turn = _largest(model)
     shift = np.fmax(np.abs(u), np.abs(u - rotation * model.length)) / (share * diameter)
-    moved: Array = np.fmax(shift, np.abs(rotation) / turn)
-    return moved
+    return np.fmax(shift, np.abs(rotation) / turn)
 
 
 def _largest(model: MacroModel) -> tuple[float, float]:

@@ -76,8 +76,7 @@ class SpringTable:
     def read(self, states: Array) -> Array:
         """Return the displacements (rows, n) that the rows read at states (n, 2), each by itself, bit for bit."""
         u, rotation = np.asarray(states).T
-        out: Array = self.a[:, :1] * u + self.a[:, 1:] * rotation
-        return out
+        return self.a[:, :1] * u + self.a[:, 1:] * rotation
 
     @property
     def solver_arrays(self) -> tuple[Array, Array, Array, Array, Array, Integers]:

@@ -38,8 +38,7 @@ def twist_of(T: Array, stiffness: float | None) -> Array:
 
     Without T it is 0.
     """
-    twist: Array = np.where(T == 0.0, 0.0, np.nan if stiffness is None else T / (stiffness or 1.0))
-    return twist
+    return np.where(T == 0.0, 0.0, np.nan if stiffness is None else T / (stiffness or 1.0))
 
 
 def with_components(

@@ -82,8 +82,7 @@ class FanTable:
     @property
     def wet(self) -> Marks:
         """Which rows (rows,) are p_water; none where no water carries a part of p."""
-        rows: Marks = self.name == WATER
-        return rows
+        return self.name == WATER
 
     @property
     def load_scale(self) -> Array:
@@ -113,13 +112,11 @@ class FanTable:
 
     def rows(self, states: Array) -> Array:
         """Return all reactions (rows, n) at states (n, 2) = (u, rotation)."""
-        out: Array = fan_rows(self.angle, self.rho, self.r, self.slope, self.count, self.even, *self.polar(states))
-        return out
+        return fan_rows(self.angle, self.rho, self.r, self.slope, self.count, self.even, *self.polar(states))
 
     def places(self, states: Array) -> Array:
         """Return the places (n, 3) of states (n, 2) between the rays: see `fan_places`."""
-        out: Array = fan_places(self.angle, self.polar(states)[1])
-        return out
+        return fan_places(self.angle, self.polar(states)[1])
 
     def support(self, states: Array) -> tuple[Array, Array, Array]:
         """Return how far states are supported, each (n,): rho over the range, sector [rad], angle to a ray [rad].
@@ -221,5 +218,4 @@ def last_slopes(rho: Array, r: Array, slopes: Array) -> Array:
     if rho[-1] - rho[-2] >= LAST * rho[-1]:
         return slopes
     before = int(np.searchsorted(rho, (1.0 - LAST) * rho[-1], side="right")) - 1
-    secant: Array = (r[:, -1] - r[:, before]) / (rho[-1] - rho[before])
-    return secant
+    return (r[:, -1] - r[:, before]) / (rho[-1] - rho[before])

@@ -213,8 +213,7 @@ def share_left(table: VerticalTable | None, V: Array, own: Array) -> Array:
 
 def covered(table: VerticalTable | None, V: Array, own: Array) -> Marks:
     """Return for which V (n,) [N] the lateral springs at V `own` (n,) hold: within 10 %, and not near its capacity."""
-    held: Marks = close_loads(V, own) & ~(share_left(table, V, own) < 1.0 - LOST_NEAR)
-    return held
+    return close_loads(V, own) & ~(share_left(table, V, own) < 1.0 - LOST_NEAR)
 
 
 def build_vertical(springs: Springs) -> VerticalTable | None:

@@ -206,8 +206,7 @@ def _system(choice: Offered, known: Sequence[Known], stiffness: Array, largest: 
 
 def _forces(rows: Array, e: Array) -> Array:
     """Return the forces (n, elements, 2) of elastic motions e of elements."""
-    forces: Array = np.einsum("kab,nkb->nka", stiffnesses(rows), e)
-    return forces
+    return np.einsum("kab,nkb->nka", stiffnesses(rows), e)
 
 
 def _merged(choice: Offered, factors: Array, least: float) -> tuple[Array, Marks]:

@@ -272,8 +272,7 @@ class ChangingLoad:
         e, p, mobilised = (np.stack(parts) for parts in zip(*way, strict=True))
         rows = self.by_set(e, p)
         changes = np.diff(rows, axis=2, prepend=0.0).transpose(1, 2, 0) * shares_at(mobilised, self.loads)
-        found: Array = np.where(self.odd[:, None], self.mixed(rows, mobilised), changes.sum(axis=2).cumsum(axis=1))
-        return found
+        return np.where(self.odd[:, None], self.mixed(rows, mobilised), changes.sum(axis=2).cumsum(axis=1))
 
     def _along(self, motions: Array, V: Array) -> Iterator[tuple[Array, Array, Array, Array, Past]]:
         """Yield motion, states, loads (2,), tangent (2, 2), past at motions (n, 2) under V (n,), in the same arrays."""
@@ -310,8 +309,7 @@ class ChangingLoad:
 
     def mixed(self, rows: Array, V: Array) -> Array:
         """Return reactions (rows, n) of sets (k, rows, n) together at V (n,) [N]."""
-        found: Array = np.einsum("krn,nk->rn", rows, shares_at(V, self.loads))
-        return found
+        return np.einsum("krn,nk->rn", rows, shares_at(V, self.loads))
 
 
 def fitted(loads: Array, sets: Sequence[ElementSet], paths: Sequence[tuple[Array, Array, Array]]) -> ChangingLoad:

@@ -114,8 +114,7 @@ class MemorySprings(FanSprings):
 
     def lasting(self, marks: Marks) -> Marks:
         """Return marks by state (n,) along a way, and all that come after: elements remember where they were."""
-        found: Marks = np.logical_or.accumulate(marks)
-        return found
+        return np.logical_or.accumulate(marks)
 
     def check_state(self, asked: Literal["cases", "secant"]) -> None:
         """Raise UserInputError: a state alone has no answer, it depends on the way to it."""
@@ -138,8 +137,7 @@ class MemorySprings(FanSprings):
         """
         changing = self.under(V)
         beyond = other if changing is None else other & ~changing.covers(V)
-        found: Marks = np.logical_or.accumulate(beyond)
-        return found
+        return np.logical_or.accumulate(beyond)
 
     def rest_under(self, V: float | Array | None) -> tuple[float, float]:
         """Return w [m] and V [N] of the elements at rest, at the first of vertical loads (n,) [N] that they follow."""
@@ -245,8 +243,7 @@ class MemorySprings(FanSprings):
             tangents(self.elements.rows, motions, self.elements.largest, loads, out)
         else:
             out = changing.tangents(motions, _each(V, motions))
-        scaled: Array = out * self.to_motion * self.to_motion[:, None]
-        return scaled
+        return out * self.to_motion * self.to_motion[:, None]
 
     def reactions(self, states: Array, time: Array | None = None, V: Level = None, between: Between = None) -> Array:
         """Return all reactions (rows, n) of a fan along states (n, 2) = (u, rotation), from rest on.
@@ -274,8 +271,7 @@ class MemorySprings(FanSprings):
     def _times(self, states: Array) -> Array:
         """Return the times (n,) [s] of states (n, 2) = (u, rotation) from rest at the rate of the elements, or 0."""
         ways = np.hypot(*np.diff(states * self.to_motion, axis=0, prepend=0.0).T).cumsum()
-        found: Array = ways / self.rate if self.rate else np.zeros(len(ways))
-        return found
+        return ways / self.rate if self.rate else np.zeros(len(ways))
 
     def _water(self, motions: Array, time: Array) -> Array | float:
         """Return p_water (rows, n) along motions (n, 2) [m], in steps of the largest size; NaN where not known."""

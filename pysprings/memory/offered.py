@@ -154,8 +154,7 @@ def plastic_rows(parameters: Array) -> Array:
     """Return plastic elements (n, COLUMNS) with B = I; gauges have the size 1 along their angle, 1/aspect across it."""
     angle, aspect, size, gain, length = parameters.T
     one, zero = np.ones(len(angle)), np.zeros(len(angle))
-    rows: Array = np.stack([one * PLASTIC, *_gauge(angle, aspect), one, zero, one, size, gain, length], axis=1)
-    return rows
+    return np.stack([one * PLASTIC, *_gauge(angle, aspect), one, zero, one, size, gain, length], axis=1)
 
 
 def _gauge(angle: Array, aspect: Array) -> tuple[Array, Array, Array]:
@@ -168,8 +167,7 @@ def reversible_rows(parameters: Array) -> Array:
     """Return reversible elements (n, COLUMNS) with B = G."""
     angle, aspect, size = parameters.T
     gauge, one, zero = _gauge(angle, aspect), np.ones(len(angle)), np.zeros(len(angle))
-    rows: Array = np.stack([one * REVERSIBLE, *gauge, *gauge, size, zero, one], axis=1)
-    return rows
+    return np.stack([one * REVERSIBLE, *gauge, *gauge, size, zero, one], axis=1)
 
 
 def gap_rows(parameters: Array) -> Array:
@@ -186,8 +184,7 @@ def frictional_rows(parameters: Array) -> Array:
     walls, own, size, friction = parameters.T
     one, zero = np.ones(len(walls)), np.zeros(len(walls))
     n, t = (np.cos(walls), np.sin(walls)), (np.cos(own), np.sin(own))
-    rows: Array = np.stack([one * FRICTIONAL, *t, friction, *n, one, size, zero, one], axis=1)
-    return rows
+    return np.stack([one * FRICTIONAL, *t, friction, *n, one, size, zero, one], axis=1)
 
 
 def force_directions() -> Array:

@@ -60,8 +60,7 @@ class Sample:
 
     def loads(self, table: FanTable) -> Array:
         """Return the loads (n, 2) = (H, M/L) [N] that the reactions sum to."""
-        summed: Array = self.reactions.T @ (table.b / [1.0, table.length])
-        return summed
+        return self.reactions.T @ (table.b / [1.0, table.length])
 
 
 def samples(springs: Springs, table: FanTable) -> list[Sample]:
@@ -138,8 +137,7 @@ def places(motions: Array, way: Array, reach: float) -> Array:
     behind = reach * np.array([0.0, *BEHIND])
     near = (np.array([0.0, *turns])[:, None] + 2.5 * behind).ravel()
     at = np.unique(np.concatenate([np.arange(way[-1], 0.0, -2.5 * EVERY * reach), near]))
-    found: Array = at[(at > 0.0) & (at <= way[-1])]
-    return found
+    return at[(at > 0.0) & (at <= way[-1])]
 
 
 def _weights(rows: Array, table: FanTable, way: float) -> Array:
@@ -150,8 +148,7 @@ def _weights(rows: Array, table: FanTable, way: float) -> Array:
     """
     size = np.hypot(*(rows.T @ (table.b / [1.0, table.length])).T)
     known, factor = (np.sqrt(np.maximum.accumulate(size) * size.max()), way) if way else (size, 1.0)
-    weights: Array = factor / (np.sqrt(size.size) * np.maximum(known, FLOOR * size.max()))
-    return weights
+    return factor / (np.sqrt(size.size) * np.maximum(known, FLOOR * size.max()))
 
 
 RIDGE = 1e-3  # of the largest singular value of the regressors
@@ -209,8 +206,7 @@ def elastic_of(rows: Array, states: Array, motion: Array) -> Array:
 
 def ways_of(rows: Array, states: Array) -> Array:
     """Return the plastic ways (n,) [m] of elements in states (n, STATES), as `histories`."""
-    ways: Array = np.where(rows[:, 0] == FRICTIONAL, states[:, 0] - states[:, 1], states[:, 2])
-    return ways
+    return np.where(rows[:, 0] == FRICTIONAL, states[:, 0] - states[:, 1], states[:, 2])
 
 
 def _of_walls(rows: Array) -> Array:
@@ -242,8 +238,7 @@ def at_rest(rows: Array) -> Array:
 
 def loads_of(rows: Array, e: Array) -> Array:
     """Return the loads (n, 2) = (H, M/L) [N] of elastic motions e (n, elements, 2)."""
-    loads: Array = np.einsum("kab,nkb->na", stiffnesses(rows), e)
-    return loads
+    return np.einsum("kab,nkb->na", stiffnesses(rows), e)
 
 
 def even_motions(rows: Array, e: Array, p: Array, growth: float | Array) -> Array:
@@ -252,8 +247,7 @@ def even_motions(rows: Array, e: Array, p: Array, growth: float | Array) -> Arra
     G[np.isin(rows[:, 0], PLATES)] = np.eye(2)
     stored = np.einsum("nka,kab,nkb->nk", e, G, e) / d
     stored[:, (rows[:, 0] == PLASTIC) & (rows[:, 9] < _NEVER * d)] = 0.0  # has no bound
-    found: Array = np.concatenate([p / (1.0 + p / (growth * d)), stored], axis=1)
-    return found
+    return np.concatenate([p / (1.0 + p / (growth * d)), stored], axis=1)
 
 
 def shares_of(
@@ -328,8 +322,7 @@ def _best(
 def heave_of(table: FanTable, way: Sample) -> Array:
     """Return the changes (2, n) of w [m] and V [N] along a way from rest."""
     places = [list(table.name).index(name) for name in ("w", "V")]
-    found: Array = way.reactions[places] - table.r[places, 0, :1]
-    return found
+    return way.reactions[places] - table.r[places, 0, :1]
 
 
 def heave_weights(ways: Sequence[tuple[Array, bool]]) -> Array:

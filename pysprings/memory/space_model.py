@@ -211,8 +211,7 @@ class SpaceSprings:
         """Return w (n,) [m] under the V of the springs along motions (n, 5) from rest on; a twist changes nothing."""
         own, choice = self.elements, Offered.of_space(self.elements.rows)
         moved = evened(choice, self.motions_of(turns), self.largest, own.growth) @ own.even[0]
-        found: Array = float(self.origin["w"][0]) + moved
-        return found
+        return float(self.origin["w"][0]) + moved
 
     def _settled(self, V: Array) -> tuple[Array, NDArray[np.int8], list[str], str]:
         """Return w (n,) [m] of vertical loads (n,) [N] less that at V of the springs, and what does not carry them.
@@ -271,8 +270,7 @@ class SpaceSprings:
         """Return where both torsion and a lateral load act, for loads (n, 5)."""
         loads = self.loads_of(pushes)
         lateral, twist = np.linalg.norm(loads[:, :4], axis=1), np.abs(loads[:, 4])
-        both: Marks = np.minimum(lateral, twist) > BOTH_ACT * np.maximum(lateral, twist)
-        return both
+        return np.minimum(lateral, twist) > BOTH_ACT * np.maximum(lateral, twist)
 
     def answer(
         self, control: SpaceControl, targets: Array, V: Array | None = None, time: Array | None = None
@@ -371,8 +369,7 @@ class SpaceStepper:
             raise BeyondSprings([Problem(key="springs", message="the elements do not carry the load of this step")])
         self._trial = state, model.turns_of(found[1:])[0], model.pushes_of(carried[1:])[0]
         self._conditions = V, duration
-        answer: Array = self._trial[1 if motion is None else 2].copy()
-        return answer
+        return self._trial[1 if motion is None else 2].copy()
 
     @property
     def tangent(self) -> Array:

@@ -118,8 +118,7 @@ class MemoryStepper:
             raise BeyondSprings([Problem(key="springs", message=_NO_ANSWER.format(carried_so_far))])
         self._trial, self._then = (state, q / model.to_motion, carried * model.to_motion), then
         self._conditions = V, duration
-        answer: Array = self._trial[1 if motion is None else 2].copy()
-        return answer
+        return self._trial[1 if motion is None else 2].copy()
 
     @property
     def V(self) -> float:
@@ -205,8 +204,7 @@ class MemoryStepper:
         start, end = self.motion * model.to_motion, self._trial[1] * model.to_motion
         self._loads.changed(self.past, self._then.V, state, start)
         advance(self._loads.rows_at(self._then.mobilised), start, end, state, F, K)
-        scaled: Array = K * model.to_motion * model.to_motion[:, None]
-        return scaled
+        return K * model.to_motion * model.to_motion[:, None]
 
     def commit(self) -> None:
         """Keep the last trial state."""

@@ -30,8 +30,7 @@ def ridge_fit(X: Array, Y: Array, weights: Array, ridge: float) -> Array:
     size = np.where(size > 0.0, size, 1.0)
     U, s, Vt = np.linalg.svd(X * weights[:, None] / size, full_matrices=False)
     shrunk = s / (s**2 + (ridge * s[0]) ** 2)
-    coefficients: Array = ((Vt.T * shrunk) @ (U.T @ (Y * weights[:, None]))).T / size
-    return coefficients
+    return ((Vt.T * shrunk) @ (U.T @ (Y * weights[:, None]))).T / size
 
 
 @jitted

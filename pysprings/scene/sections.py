@@ -213,8 +213,7 @@ _BY_STRESS = ("young_modulus",)
 
 def field_of(name: str) -> Field:
     """Return the field of a value of the soil."""
-    found: Field = next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Field))
-    return found
+    return next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Field))
 
 
 def plain_field(name: str) -> Any:

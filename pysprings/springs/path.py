@@ -48,8 +48,7 @@ def is_rate(a: float, b: float) -> bool:
 def off_rate(own: float, ways: Array, times: Array) -> Marks:
     """Return which motions (n,) [m] in times (n,) [s] are off a rate [m/s] by half a decade; a rest has none."""
     expected = own * times
-    found: Marks = (ways > 0.0) & ((ways >= TOGETHER * expected) | (TOGETHER * ways <= expected))
-    return found
+    return (ways > 0.0) & ((ways >= TOGETHER * expected) | (TOGETHER * ways <= expected))
 
 
 # Motions and loads of a path out of one plane that springs answer; V is given, and w follows
@@ -166,8 +165,7 @@ class RecordedPath:
 
     def __getitem__(self, name: str) -> Array:
         """Return a variable at the converged steps, in SI."""
-        values: Array = self.dataset.variables[name].values
-        return values
+        return self.dataset.variables[name].values
 
     def by_depth(self, name: str) -> Array:
         """Return a variable summed over sides, (depth, step): "t" [N/m]."""
@@ -290,14 +288,12 @@ class SpringPath(RecordedPath):
 
 def in_planes(values: Array, length: float, radius: float) -> Array:
     """Return SPACE_TURNS (..., 5) as (u_x, rot_y L, u_y, -rot_x L, rot_z R), or SPACE_LOADS for 1/L and 1/R."""
-    found: Array = values[..., [0, 3, 1, 2, 4]] * np.array([1.0, length, 1.0, -length, radius])
-    return found
+    return values[..., [0, 3, 1, 2, 4]] * np.array([1.0, length, 1.0, -length, radius])
 
 
 def out_of_planes(values: Array, length: float, radius: float) -> Array:
     """Return what `in_planes` gives for the same lengths as what it was made of."""
-    found: Array = (values / np.array([1.0, length, 1.0, -length, radius]))[..., [0, 2, 3, 1, 4]]
-    return found
+    return (values / np.array([1.0, length, 1.0, -length, radius]))[..., [0, 2, 3, 1, 4]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,13 +319,11 @@ class SpacePath(RecordedPath):
     def reactions(self) -> Array:
         """Return p of both sides in the planes of x and y, (2, depth, n) [N/m], from rest."""
         p = np.stack([self.dataset[f"p_{axis}"].sum("side").transpose("depth", "step").values for axis in "xy"])
-        found: Array = p - p[:, :, :1]
-        return found
+        return p - p[:, :, :1]
 
     def _from_rest(self, names: Sequence[str]) -> Array:
         values = np.stack([self[name] for name in names], axis=1)
-        found: Array = values - values[0]
-        return found
+        return values - values[0]
 
 
 def space_paths_of(tree: xr.DataTree) -> dict[str, SpacePath]:

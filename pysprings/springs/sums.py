@@ -41,8 +41,7 @@ def displacement_at(path: xr.Dataset, depth: float) -> np.ndarray:
     bent = y - (u - rotation * z[-2:, None])
     if np.abs(bent).max(initial=0.0) <= BALANCED * np.abs(y).max(initial=0.0):
         return rigid
-    found: np.ndarray = rigid + bent[1] + (bent[1] - bent[0]) * (depth - z[-1]) / (z[-1] - z[-2])
-    return found
+    return rigid + bent[1] + (bent[1] - bent[0]) * (depth - z[-1]) / (z[-1] - z[-2])
 
 
 def with_moment(p: np.ndarray, moment: np.ndarray, depth: np.ndarray, heights: np.ndarray) -> np.ndarray:
@@ -56,8 +55,7 @@ def with_moment(p: np.ndarray, moment: np.ndarray, depth: np.ndarray, heights: n
     middle = (weight * z).sum(axis=0) / _not_zero(weight.sum(axis=0))
     missing = moment - np.tensordot(depth * heights, p, axes=1)
     spread = (weight * z * (z - middle)).sum(axis=0)
-    added: np.ndarray = p + np.abs(p) * (z - middle) * (missing / _not_zero(spread))
-    return added
+    return p + np.abs(p) * (z - middle) * (missing / _not_zero(spread))
 
 
 def _not_zero(values: np.ndarray) -> np.ndarray:

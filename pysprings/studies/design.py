@@ -190,8 +190,7 @@ def _marks_of(row: pd.Series, known: bool) -> str:
 
 def _values(answers: xr.Dataset, name: str, n: int) -> Array:
     """Return a variable by case; NaN where springs from a table do not have it."""
-    values: Array = answers[name].values if name in answers else np.full(n, np.nan)
-    return values
+    return answers[name].values if name in answers else np.full(n, np.nan)
 
 
 def with_tilt(

@@ -98,8 +98,7 @@ class LoadCases:
     @property
     def lateral(self) -> Marks:
         """Which cases have a lateral load or a moment."""
-        lateral: Marks = (self.H != 0.0) | (self.M != 0.0) | (self.across != 0.0)
-        return lateral
+        return (self.H != 0.0) | (self.M != 0.0) | (self.across != 0.0)
 
     @property
     def aside(self) -> Marks:
@@ -109,8 +108,7 @@ class LoadCases:
     @property
     def opposed(self) -> Marks:
         """Which cases have an M that turns against H, as a load below mudline does."""
-        opposed: Marks = self.H * self.M < 0.0
-        return opposed
+        return self.H * self.M < 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -127,8 +125,7 @@ class LoadCases:
         """
         if radius is None:
             return self.torsion != 0.0
-        twisted: Marks = self.torsion_share(radius) > 1.0
-        return twisted
+        return self.torsion_share(radius) > 1.0
 
     def torsion_share(self, radius: float) -> Array:
         """Return T over the largest one that `bounded` bounds in a caisson of a radius [m], (n,); inf for T alone."""

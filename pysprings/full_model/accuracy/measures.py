@@ -61,8 +61,7 @@ def load_of(path: xr.Dataset) -> Array:
     """
     kind = kind_of(path.attrs)
     if along := direction_of_load(path.attrs):
-        sizes: Array = (along[0] * path["H"].values + along[1] * path["M"].values) / (along[0] ** 2 + along[1] ** 2)
-        return sizes
+        return (along[0] * path["H"].values + along[1] * path["M"].values) / (along[0] ** 2 + along[1] ** 2)
     values: Array = path[kind.load].values
     if kind.load == "V":
         return values - values[0]

@@ -53,8 +53,7 @@ def at_lid(springs: Springs) -> Array:
 
     Raises UserInputError: springs from a table without vertical stiffness.
     """
-    matrix: Array = stiffness_six(springs, symmetric=True).values + 0.0
-    return matrix
+    return stiffness_six(springs, symmetric=True).values + 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -167,8 +167,7 @@ def cosines(planes: int, between: bool = False) -> tuple[Array, Array]:
 def curves(q: Array, reach: float) -> Array:
     """Return all curves (..., scales) at displacements q [m], per stiffness."""
     over = np.abs(q[..., None]) / (SCALES * reach)
-    values: Array = q[..., None] / (1.0 + over**SHARP) ** (1.0 / SHARP)
-    return values
+    return q[..., None] / (1.0 + over**SHARP) ** (1.0 / SHARP)
 
 
 def in_planes(q: Array, reach: float, planes: int) -> Array:

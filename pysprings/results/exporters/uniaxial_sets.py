@@ -262,8 +262,7 @@ def lateral(rows: SpringTable, heights: Mapping[float, float]) -> Iterator[Sprin
         def force(x: Array, j: int = j, k: int = k, factor: float = factor) -> Array:
             one = slice(j, j + 1)
             q = np.ascontiguousarray(np.atleast_1d(x)[None] * rows.a[j, k])
-            values: Array = factor * row_values(rows.q[one], rows.r[one], rows.slope[one], rows.count[one], q)[0]
-            return values
+            return factor * row_values(rows.q[one], rows.r[one], rows.slope[one], rows.count[one], q)[0]
 
         height = heights.get(float(rows.depth[j]), 0.0) if name in ("p", "m") else 0.0
         yield Spring(name, "lateral" if sideways else "rotation", depth, height, -end, end, force)
@@ -294,8 +293,7 @@ def _change(branch: Branch, x: Array) -> Array:
     last, k = branch.r[-1], np.array([branch.x.size])
     chord = (last[-1] - last[-2]) / (branch.x[-1] - branch.x[-2])
     inside = row_values(branch.x[None], last[None], branch.slope[-1:], k, np.minimum(x, branch.x[-1])[None])[0]
-    values: Array = inside + chord * np.maximum(x - branch.x[-1], 0.0) - last[0]
-    return values
+    return inside + chord * np.maximum(x - branch.x[-1], 0.0) - last[0]
 
 
 # --- tables, and what they cost ---
@@ -382,8 +380,7 @@ def change_by_tables(springs: Springs, smooth: MacroModel, straight: MacroModel)
 def _relative(a: Array, b: Array, length: float) -> Array:
     """Return |b - a|/|a| of (force, moment) or (u, rotation); a small part counts beside 5 % of the larger one."""
     scale = np.array([1.0, length])
-    change: Array = np.abs(b - a) / scale / np.maximum(np.abs(a) / scale, 0.05 * np.abs(a / scale).max())
-    return change
+    return np.abs(b - a) / scale / np.maximum(np.abs(a) / scale, 0.05 * np.abs(a / scale).max())
 
 
 def other_planes(springs: Springs, made: Uniaxial) -> str:

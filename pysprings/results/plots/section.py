@@ -110,8 +110,7 @@ def section_pressure(
 def quad_corners(section: xr.Dataset) -> Array:
     """Return the corners of the section's cells, shape (cell, corner, 2): x and depth [m]."""
     nodes = np.column_stack([section["section_x"].values, section["section_depth"].values])
-    corners: Array = nodes[section["section_quad"].transpose("section_cell", "corner").values.astype(int)]
-    return corners
+    return nodes[section["section_quad"].transpose("section_cell", "corner").values.astype(int)]
 
 
 def triangles(section: xr.Dataset) -> Integers:

@@ -125,8 +125,7 @@ def shares_of(path: SpringPath, asked: ScenePath) -> Array:
         return np.linspace(0.0, 1.0, path.n)
     share = (values - values[0]) / aim  # w starts at the settlement under the dead load
     falls = np.flatnonzero(np.diff(share) <= 0.0)
-    grown: Array = share[: falls[0] + 1] if falls.size else share
-    return grown
+    return share[: falls[0] + 1] if falls.size else share
 
 
 def _resampled(share: Array, values: Array) -> Array:

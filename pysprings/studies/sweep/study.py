@@ -224,8 +224,7 @@ def _answer(future: Any, study: Study) -> worker.Answer:
     number = int(future.key.split("-")[1])
     name = study.hashes[number]
     try:
-        answer: worker.Answer = future.result()
-        return answer
+        return future.result()
     except KilledWorker:
         text = "its workers died one after the other: memory? (--jobs 1 leaves more for each)"
         return worker.Answer(worker.Ended(number, STOPPED, text, 0.0, name))
