@@ -2,7 +2,7 @@
 """The ground of a scene by depth: its layers, their values, and the geostatic stress."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -195,10 +195,6 @@ class Ground:
             values[number == k] = of(self.strata[k], depth[number == k])
         return values
 
-    def profile(self) -> list[dict[str, Any]]:
-        """Return a row for top and bottom of each layer."""
-        return [stratum.row(depth) for stratum in self.strata for depth in (stratum.top, stratum.bottom)]
-
 
 def in_layers(soil: Soil) -> Soil:
     """Return a soil in one form: a surcharge, and layers, one at the least, that have all their values."""
@@ -285,13 +281,12 @@ def _elastic(above: Stratum, bottom: float, stress: float) -> Stratum:
 
 def _tables(soil: Soil, layer: Layer | None, law: str) -> dict[str, Any]:
     """Return the tables of a layer that its law has, those of the soil where it gives none."""
-    own = {name: getattr(layer, name, None) for name in TABLES if name in SOIL_LAWS[law].keys}
-    return {name: getattr(soil, name) if table is None else table for name, table in own.items()}
+    return given_values(soil, layer, [name for name in TABLES if name in SOIL_LAWS[law].keys])
 
 
-def given_values(soil: Soil, layer: Layer | None) -> dict[str, Any]:
+def given_values(soil: Soil, layer: Layer | None, names: Iterable[str] = BY_LAYER) -> dict[str, Any]:
     """Return the values of a layer, those of the soil where it gives none; None for those that neither gives."""
-    own = {name: getattr(layer, name, None) for name in BY_LAYER}
+    own = {name: getattr(layer, name, None) for name in names}
     return {name: getattr(soil, name) if value is None else value for name, value in own.items()}
 
 

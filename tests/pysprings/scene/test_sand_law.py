@@ -8,6 +8,7 @@ import pytest
 
 from fe_engine.soil import following, sand
 from pysprings.core.errors import UserInputError
+from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import engine_laws, soil_materials
 from pysprings.scene.defaults import defaulted
 from pysprings.scene.design_strength import StrengthFactors, with_design_strength
@@ -75,10 +76,10 @@ def test_check_lists_what_follows_from_the_density() -> None:
 def test_check_shows_the_peak_friction_angle_at_the_initial_stress() -> None:
     """Bolton (1986): I_R = 0.5 (10 - ln 100) - 1 = 1.697 at p' 100 kPa, phi = 33 deg + 3 I_R; I_R is 4 at most."""
     text = TEXT.replace("0.7", "0.5").replace('"auto"', "1.0").replace("5 kPa", "100 kPa")
-    row = parse_scene(text).ground.profile()[0]
+    row = profile(parse_scene(text))[0]
     assert row["dilatancy_index"] == pytest.approx(1.697, abs=2e-3)
     assert (row["friction_angle_deg"], row["peak_friction_angle_deg"]) == pytest.approx((33.0, 38.09), abs=0.01)
-    assert parse_scene(TEXT).ground.profile()[0]["dilatancy_index"] == pytest.approx(4.0, abs=5e-3)
+    assert profile(parse_scene(TEXT))[0]["dilatancy_index"] == pytest.approx(4.0, abs=5e-3)
 
 
 def test_the_density_may_vary_with_depth_and_layers_may_differ() -> None:
