@@ -47,27 +47,21 @@ class SpaceResponse(Protocol):
     @property
     def has_torsion(self) -> bool:
         """Whether they carry torsion."""
-        ...
 
     def solve(self, control: SpaceControl, targets: Array) -> tuple[Array, Array, str]:
         """Follow targets from rest; return motions, loads, and a message on where it ended."""
-        ...
 
     def range_used(self, turns: Array) -> Array:
         """Return the size (n,) of motions over that of the paths behind the springs."""
-        ...
 
     def answer(self, control: SpaceControl, targets: Array, V: Array | None, time: Array | None) -> xr.Dataset:
         """Return the states along targets as a dataset by step, marked."""
-        ...
 
     def heave(self, turns: Array) -> Array:
         """Return w (n,) [m] under the V of the springs along motions from rest on."""
-        ...
 
     def reactions(self, turns: Array) -> Array:
         """Return p in the planes of x and y by depth, (2, depth, n) [N/m], along motions from rest on."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,22 +53,18 @@ class Carrier(Protocol):
     @property
     def length(self) -> float:
         """Skirt length [m]."""
-        ...
 
     @property
     def vertical(self) -> VerticalTable | None:
         """Vertical springs."""
-        ...
 
     @property
     def ends(self) -> Mapping[str, PathEnd]:
         """How the paths of the springs ended."""
-        ...
 
     @property
     def elastic_loads(self) -> tuple[float, float]:
         """Vertical loads [N] that an elastic stiffness may answer."""
-        ...
 
 
 def vertical_answer(

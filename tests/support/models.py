@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Small models and helpers that the engine's tests share."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, replace

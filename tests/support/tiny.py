@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scenes small enough to run in a test (216 nodes, five steps, less than a second), and runs that tests share."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from functools import cache

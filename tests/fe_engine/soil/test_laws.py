@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What every registered soil law must meet at one point, whatever its surface."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

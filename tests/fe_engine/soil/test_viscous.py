@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Duvaut & Lions' viscoplasticity: closed forms in simple shear, and its tangent over every law and regime."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Reactions extrapolated from two meshes: what they keep, what they tend to, and where there are none."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scene -> model: what the engine is given, and that every value of a scene decides something."""
 
-from __future__ import annotations
-
 from dataclasses import fields, is_dataclass
 from typing import Any
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Paths -> stages: what is imposed in (u, w, rotation), by which forces, for half a caisson."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Scenes that are right: defaults, units, round trips, hashes, the scene files that come with the project."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

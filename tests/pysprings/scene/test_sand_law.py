@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The law "sand" in scenes: what follows from the density, what is refused, and a run through its softening."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A stiffness that follows the stress or degrades: its keys, what is refused, the law and parameters of the engine."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

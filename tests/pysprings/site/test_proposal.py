@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`pysprings ground`: layers and ranges of an invented test in known soils, the table that a scene reads."""
 
-from __future__ import annotations
-
 import json
 import time
 from dataclasses import replace

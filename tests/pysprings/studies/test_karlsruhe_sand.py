@@ -5,8 +5,6 @@ Relative density and critical friction angle alone are given. Mobilisation, soft
 defaults from these very tests: what stands here is how well one set of constants fits all of them, no forecast.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
