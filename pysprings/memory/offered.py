@@ -13,13 +13,13 @@ enough; hardening over a fifth of the reach carries the growth of the loads from
 the elements around the chosen ones, halves what pulls miss.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from pysprings.core.arrays import Array, Integers, Marks
+from pysprings.memory import shares
 from pysprings.memory.elements import (
     COLUMNS,
     FRICTIONAL,
@@ -33,7 +33,6 @@ from pysprings.memory.elements import (
     histories,
     round_histories,
 )
-from pysprings.memory.shares import even_motions
 
 DIRECTIONS = 9  # of gauges, over 180 degrees
 ASPECTS = (0.1, 0.3)  # of a gauge across its direction: there an element yields at 1/aspect of the motion
@@ -300,7 +299,7 @@ def elastic_motions(choice: Offered, motions: Array, largest: float) -> Array:
     plane, spread = motions.shape[1] == 2, choice.spread
     n, m = len(motions), 2 if plane else 4
     along = histories if plane else round_histories
-    one = _along(along, choice.rows[~spread], motions[:, :m], largest)
+    one, _ = shares.elastic_motions(choice.rows[~spread], motions[:, :m], largest, along)
     if not spread.any():
         return one
     e = np.zeros((n, len(spread), m))
@@ -308,7 +307,7 @@ def elastic_motions(choice: Offered, motions: Array, largest: float) -> Array:
     for angle in azimuths():
         c, s = np.cos(angle), np.sin(angle)
         way = c * motions[:, :2] + (0.0 if plane else s * motions[:, 2:4])
-        own = _along(histories, choice.rows[spread], way, largest)
+        own, _ = shares.elastic_motions(choice.rows[spread], way, largest)
         parts = [c * own] if plane else [c * own, s * own]
         e[:, spread] += 2.0 / AZIMUTHS * np.concatenate(parts, axis=2)
     return e
@@ -322,14 +321,14 @@ def evened(choice: Offered, motions: Array, largest: float, growth: float) -> Ar
     """
     spread, out = choice.spread, np.zeros((len(motions), 2, len(choice.spread)))
     round_, directed = choice.rows[~spread], choice.rows[spread]
-    e, p = _histories(round_histories, round_, motions[:, :4], largest)
+    e, p = shares.elastic_motions(round_, motions[:, :4], largest, round_histories)
     for plane in (e[:, :, :2], e[:, :, 2:]):
-        way, stored = np.split(even_motions(round_, plane, p, growth), 2, axis=1)
+        way, stored = np.split(shares.even_motions(round_, plane, p, growth), 2, axis=1)
         out[:, 0, ~spread] = way
         out[:, 1, ~spread] += stored
     for angle in azimuths():
         own = np.cos(angle) * motions[:, :2] + np.sin(angle) * motions[:, 2:4]
-        parts = even_motions(directed, *_histories(histories, directed, own, largest), growth)
+        parts = shares.even_motions(directed, *shares.elastic_motions(directed, own, largest), growth)
         out[:, :, spread] += 2.0 / AZIMUTHS * parts.reshape(len(motions), 2, len(directed))
     return out.reshape(len(motions), 2 * len(spread))
 
@@ -342,15 +341,3 @@ def even_by_row(even: Array, choice: Offered, rows: int) -> Array:
     parts = even.reshape(2, 2, -1).transpose(2, 1, 0).reshape(-1, 4)
     own = np.concatenate([parts[~choice.spread], *[2.0 / AZIMUTHS * parts[choice.spread]] * AZIMUTHS])
     return np.concatenate([own, np.zeros((rows - len(own), 4))])
-
-
-def _along(along: Callable[..., None], rows: Array, motions: Array, largest: float) -> Array:
-    """Return the elastic motions (n, elements, m) of rows along motions (n, m) [m]."""
-    return _histories(along, rows, motions, largest)[0]
-
-
-def _histories(along: Callable[..., None], rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
-    """Return the elastic motions (n, elements, m) and ways (n, elements) of rows along motions (n, m) [m]."""
-    e, p = np.zeros((len(motions), len(rows), motions.shape[1])), np.zeros((len(motions), len(rows)))
-    along(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
-    return e, p

@@ -19,7 +19,7 @@ across the motion is a large one of the motion, which rays do not show. Beyond t
 does, with a small weight: else they would carry no more there than at the reach.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -283,10 +283,12 @@ def shares_of(
     return Shares(odd, rest, S, D, factors, growth, _water([*ways, *others], states, table)), carried
 
 
-def elastic_motions(rows: Array, motions: Array, largest: float) -> tuple[Array, Array]:
-    """Return elastic motions (n, elements, 2) and ways (n, elements) along motions (n, 2): see `elements.histories`."""
-    e, p = np.zeros((len(motions), len(rows), 2)), np.zeros((len(motions), len(rows)))
-    histories(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
+def elastic_motions(
+    rows: Array, motions: Array, largest: float, along: Callable[..., None] = histories
+) -> tuple[Array, Array]:
+    """Return elastic motions (n, elements, m) and ways (n, elements) along motions (n, m) [m]: see `histories`."""
+    e, p = np.zeros((len(motions), len(rows), motions.shape[1])), np.zeros((len(motions), len(rows)))
+    along(np.ascontiguousarray(rows), np.ascontiguousarray(motions), largest, e, p)
     return e, p
 
 

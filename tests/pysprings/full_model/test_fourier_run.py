@@ -31,20 +31,14 @@ from pysprings.springs.checks import extract_springs
 from pysprings.springs.sums import balance
 from tests.support import tiny
 from tests.support.commands import command
+from tests.support.two_paths import SECOND, drained
 
 SERIES: dict[str, Any] = {"discretisation": "fourier", "preset": "coarse", "refinement": 0.7, "harmonics": 2}
-SECOND = {**tiny.PULL, "name": "second", "kind": "translation"}
 
 
 def scene(**sections: Any) -> Scene:
     """The tiny scene as a series, with some values changed."""
     return tiny.scene(mesh=SERIES).replace(**sections)
-
-
-def loaded_scene() -> Scene:
-    """A dead load before each of two paths, a few steps each."""
-    few = {"first_step_fraction": 0.2}
-    return scene(caisson={"vertical_load": 1.5e6}, paths=(tiny.PULL, SECOND), solver=few)
 
 
 @cache
@@ -282,11 +276,12 @@ class _Stop:
 
 @pytest.mark.parametrize("after", [1, 4, 7])
 def test_a_stopped_run_goes_on_to_the_same_result(after, tmp_path):
-    whole = compute(loaded_scene()).recorded()
-    stopped = compute(loaded_scene(), progress=_Stop(after), checkpoints=Checkpoints(tmp_path)).recorded()
+    loaded = drained().replace(mesh=SERIES)
+    whole = compute(loaded).recorded()
+    stopped = compute(loaded, progress=_Stop(after), checkpoints=Checkpoints(tmp_path)).recorded()
     assert stopped.attrs["status"] == "interrupted"
     assert Checkpoints(tmp_path).harmonics == 2 and Checkpoints(tmp_path / "none").harmonics is None
-    resumed = compute(loaded_scene(), checkpoints=Checkpoints(tmp_path), resume=True).recorded()
+    resumed = compute(loaded, checkpoints=Checkpoints(tmp_path), resume=True).recorded()
     assert resumed.attrs["status"] == "complete"
     for name in ("pull", "second"):
         xr.testing.assert_identical(whole[f"paths/{name}"].to_dataset(), resumed[f"paths/{name}"].to_dataset())
@@ -298,7 +293,7 @@ def test_a_stopped_run_goes_on_to_the_same_result(after, tmp_path):
 def test_paths_with_one_dead_load_share_its_steps_and_are_as_if_alone():
     """The second path has another load: it takes up nothing."""
     other = {**SECOND, "name": "other", "role": "held-back", "vertical_load": 1.2e6}
-    given = loaded_scene().replace(paths=(tiny.PULL, other, SECOND, {**SECOND, "name": "third"}))
+    given = drained().replace(mesh=SERIES, paths=(tiny.PULL, other, SECOND, {**SECOND, "name": "third"}))
     stages: list[tuple[str, str]] = []
     together = compute(given, progress=lambda name, _, text: stages.append((name, text)))
     assert {name for name, text in stages if text.endswith(DEAD_LOAD)} == {"pull", "other"}
