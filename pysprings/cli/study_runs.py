@@ -7,7 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
+from pydantic import ValidationError
 
+from fe_engine.linear.backends import available_backends
 from pysprings.cli.folders import refuse_no_folder
 from pysprings.cli.support import interruptible, print_json, print_table, to_stderr
 from pysprings.core.columns import records
@@ -16,6 +18,7 @@ from pysprings.core.progress import reporter
 from pysprings.core.storage import write_text
 from pysprings.core.workers import cores
 from pysprings.full_model.accuracy import presets
+from pysprings.results.plots.files import redraw
 from pysprings.scene.model import Scene
 from pysprings.studies import stability
 from pysprings.studies.accuracy import rows, runs, study
@@ -49,10 +52,6 @@ def run_accuracy(
 
 def _linear_solvers(scene: Scene) -> tuple[list[str], str]:
     """Return the linear solvers that a scene may name and that work here, and the one that the scene uses."""
-    from pydantic import ValidationError
-
-    from fe_engine.linear.backends import available_backends
-
     solvers = []
     for name in available_backends():
         try:
@@ -121,8 +120,6 @@ def run_stability(
 
 def _write_stability(table: pd.DataFrame, out: Path, formats: Sequence[str]) -> None:
     """Write stability.csv, stability.md and stability.png or stability.svg."""
-    from pysprings.results.plots.files import redraw
-
     write_text(table.to_csv(index=False, lineterminator="\n"), out / "stability.csv")
     write_text(stability.to_markdown(table), out / "stability.md")
     with following("the picture was"):

@@ -26,6 +26,7 @@ from pysprings.full_model.result_tree import raise_if_incomplete
 from pysprings.full_model.run_record import ATTRIBUTE, Computed, RunRecord
 from pysprings.macro.spring_sets import with_stored
 from pysprings.model.forecast.resources import refuse_full_disk
+from pysprings.results import plots
 from pysprings.results.exporters import EXPORTERS, Source, Target, export
 from pysprings.results.exporters.csv import write_frame, write_load_displacement
 from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
@@ -211,8 +212,6 @@ class _Files(Sink):
 
     def _draw(self) -> list[Path]:
         """Draw the pictures of the report, or all."""
-        from pysprings.results import plots
-
         source, known = self.source, self.has_springs
         return plots.save_all(
             source.result, source.springs if known else None, self.folder / FIGURES,

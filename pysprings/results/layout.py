@@ -11,6 +11,7 @@ import xarray as xr
 
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import beam_order, has_free_head
+from pysprings.core.storage import read_tree
 from pysprings.core.written import CHECKPOINT, LIST, listed, refuse_links
 from pysprings.full_model.run_record import ATTRIBUTE
 from pysprings.results.exporters import EXPORTERS
@@ -135,8 +136,6 @@ def open_result(path: str | os.PathLike[str]) -> xr.DataTree:
     UserInputError
         The file is missing, broken, or no result of a full model.
     """
-    from pysprings.core.storage import read_tree
-
     file = Path(path)
     file = file / "full_model.nc" if file.is_dir() else file
     tree = read_tree(file)

@@ -30,6 +30,8 @@ from pysprings.full_model.compute import compute
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.plots.style import BLUE, GREEN, GREY, ORANGE, VERMILLION, new_figure, styled
 from pysprings.scene.model import Scene
+from pysprings.scene.sections import PAPER, PAPER_SOIL
+from pysprings.scene.soils import SOIL_LAWS
 
 REACH = 20e-3  # m
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -53,8 +55,6 @@ class Case:
     @property
     def _clay(self) -> bool:
         """Whether all its ground is undrained clay, which shares weight and surcharge alone with the paper's sand."""
-        from pysprings.scene.soils import SOIL_LAWS
-
         soil = self.changes.get("soil", {})
         usual = soil.get("yield_surface", "drucker-prager")
         layers = soil.get("layers") or soil.get("layer") or [{}]
@@ -65,8 +65,6 @@ class Case:
 
         Raises UserInputError or ValueError where the input is refused.
         """
-        from pysprings.scene.sections import PAPER, PAPER_SOIL
-
         coupled = self.changes.get("drainage", {}).get("mode", "drained") == "coupled"
         pull = {} if "kind" in self.path else {"kind": "pull", "lateral_displacement": reach}
         path = {"name": "path"} | pull | ({"rate": 0.05e-3} if coupled else {}) | dict(self.path)

@@ -22,6 +22,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.errors import PyspringsError
 from pysprings.core.units import si_of
 from pysprings.macro.capacity import Capacities, capacities
+from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
 
 DIRECTIONS = 24  # of the half plane of H and M/L; the other half mirrors them
@@ -178,8 +179,6 @@ def _onward(model: MacroModel, direction: tuple[float, float], V: float | None) 
 
 def profiles(answer: Answer) -> dict[str, tuple[Array, Array]]:
     """Return p, m and t [N/m, N m/m, N/m] at the last state over depth [m], as far as the springs have them."""
-    from pysprings.macro.fan import FanTable
-
     if answer.way is None or answer.model is None:
         return {}
     last = answer.way.isel(step=-1)

@@ -7,6 +7,7 @@ machine's memory, or less under a control group or a limit of the shell.
 
 import math
 import os
+import shutil
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -280,8 +281,6 @@ def _increments(scene: Scene) -> str:
 
 def refuse_full_disk(scene: Scene, folder: str | os.PathLike[str]) -> None:
     """Raise ResourceError, with the figures, where the results cannot fit on the disk of a folder (or its parent)."""
-    import shutil
-
     least = _BEST_COMPRESSION * steps_bytes(scene, size_of(scene))[0]
     place = Path(folder).absolute()
     while not place.exists() and place != place.parent:

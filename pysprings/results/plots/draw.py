@@ -21,6 +21,7 @@ from pysprings.results.parts import path_data, path_names, pick_step, section_da
 from pysprings.results.plots import comparison, gap, ground, load, overview, profiles, rose, section
 from pysprings.results.plots.picture import Picture, View
 from pysprings.results.plots.style import drawn_on
+from pysprings.springs.checks import extract_springs
 from pysprings.springs.path import paths_of
 from pysprings.springs.springs import Springs
 
@@ -43,8 +44,6 @@ class _Predictions(Mapping[str, xr.Dataset]):
 
     @cached_property
     def answers(self) -> Mapping[str, xr.Dataset]:
-        from pysprings.springs.checks import extract_springs
-
         springs = with_stored(extract_springs(self.tree)) if is_result(self.tree) else self.tree
         return Source(springs).predictions.get(self.path, {})
 

@@ -11,6 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
 
 from pysprings.core.arrays import Array, Integers
 from pysprings.core.path_kinds import has_free_head, height_of_load
@@ -129,8 +130,6 @@ def _draw_mesh(axes: Axes, section: xr.Dataset) -> None:
 
 def _draw_field(axes: Axes, section: xr.Dataset, values: Array, unit: str = "mm") -> None:
     """Draw values at the nodes as colour with their contours, and the caisson, in its neighbourhood."""
-    from matplotlib.tri import Triangulation
-
     grid = Triangulation(section["section_x"].values, section["section_depth"].values, triangles(section))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     size = max(high, -low, 1e-9)

@@ -22,6 +22,7 @@ from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.full_model.accuracy.measures import MEASURES
 from pysprings.full_model.accuracy.presets import FOURIER, SCHEMA, Setting, cheapest_within
 from pysprings.full_model.accuracy.target import TARGETS
+from pysprings.results.plots.files import redraw
 from pysprings.scene.model import Scene
 from pysprings.studies.accuracy import runs
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, assess, error_against_time
@@ -199,8 +200,6 @@ def _machine() -> str:
 
 
 def _write(out: Path, scene: Scene, outcome: StudyResult, formats: Sequence[str]) -> None:
-    from pysprings.results.plots.files import redraw
-
     write_text(outcome.table.to_csv(index=False, lineterminator="\n"), out / "accuracy.csv")
     write_text(json_text(to_json(scene, outcome), indent=1) + "\n", out / "accuracy.json")
     head = {

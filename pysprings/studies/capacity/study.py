@@ -21,6 +21,7 @@ from pysprings.core.tables.load_cases import LoadCases
 from pysprings.core.text import json_text, with_prefix
 from pysprings.core.words import RANGE_END
 from pysprings.core.written import exclusive, new_folder, own_folder
+from pysprings.full_model.accuracy.presets import carries_series
 from pysprings.full_model.diagnosis import DisplacementLimit
 from pysprings.macro.capacity import capacities
 from pysprings.macro.model import AnySprings, MacroModel, typed
@@ -50,8 +51,6 @@ FILES = {
 
 def scene_of(scene: Scene, mesh: str | None = None, discretisation: str | None = None) -> Scene:
     """Return the scene of a study: another mesh or discretisation; Fourier series where the scene allows them."""
-    from pysprings.full_model.accuracy.presets import carries_series
-
     if discretisation is None and carries_series(scene):
         discretisation = "fourier"
     changed: dict[str, Any] = {"preset": mesh or scene.mesh.preset}
