@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Runs of the low, best and high estimate of a scene beside each other: tables, workbook, pictures and page."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from pysprings.core.arrays import Array
 from pysprings.core.columns import Table
@@ -24,11 +23,7 @@ from pysprings.scene.soils.cyclic import titled
 from pysprings.springs.path import paths_of
 from pysprings.springs.tip_zone import on_slices, tip_zone
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-    Paths = Mapping[str, Mapping[str, xr.Dataset]]  # by name of the path, and by estimate
-
+Paths = Mapping[str, Mapping[str, xr.Dataset]]  # by name of the path, and by estimate
 SHARES = (0.1, 0.3, 1.0)  # of the motion that all runs reach, where loads are compared
 TABLES = ("load_displacement.csv", "py.csv")  # of each run, which become one with a column more
 POINTS, LEAST = 12, 1.0e-6  # points of a p-y curve side by side, and its least range [m]: vertical paths have none
