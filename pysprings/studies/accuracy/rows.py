@@ -224,11 +224,6 @@ class StudyResult:
     kind: str
 
     @property
-    def orders(self) -> dict[str, dict[str, float | None]]:
-        """Smallest order of all paths, which gives the largest estimate, by discretisation and quantity."""
-        return {kind: _orders(limit) for kind, limit in self.limits.items()}
-
-    @property
     def apart(self) -> dict[str, dict[str, float]]:
         """Difference [%] of the limit of bricks from a reference of Fourier series, by path and measure."""
         other = self.limits.get(BRICKS)
@@ -324,12 +319,6 @@ def _better(series: Mapping[str, Sequence[Ended]]) -> str:
     """Return the discretisation whose limit is the reference: Fourier series where there are meshes enough."""
     enough = len(series.get(FOURIER, ())) >= NEEDED or BRICKS not in series
     return FOURIER if enough and FOURIER in series else BRICKS
-
-
-def _orders(limit: Mapping[str, Mapping[str, Reference]]) -> dict[str, float | None]:
-    names = dict.fromkeys(name for each in limit.values() for name in each)
-    known = {name: [each[name].order for each in limit.values() if name in each] for name in names}
-    return {name: min((order for order in orders if order is not None), default=None) for name, orders in known.items()}
 
 
 def _truth(

@@ -153,26 +153,6 @@ def test_a_table_with_z_down_has_a_remark_in_every_row(tmp_path: Path) -> None:
     assert not any(table(tmp_path, head, "a,10,0,9500,0,400,0", "b,10,0,-4500,0,400,0").notes)
 
 
-@pytest.mark.parametrize(
-    ("lines", "found"),
-    [
-        (("name,Fx [kN],H [kN]", "a,1,1"), '1: Fx [kN]: gives what "H [kN]" gives, too: keep one of them'),
-        (("name,Fx [kN],Fy [kN],Mx [kN m]", "a,1,,2"), "2: Fy [kN]: blank: write 0 where it is none"),
-        (("name,Fx [kN],Fy [kN],direction [deg]", "a,1,1,5"),
-         "1: direction [deg]: components have the axes x and y: they need no direction"),
-        (("name,H [kN],height [m]", "a,1,2", "b,1,"), "3: height [m]: blank: write 0 where it is none"),
-        (("name,H [kN],M [kN m]", "a,1,2", "b,1,-"), "3: M [kN m]: blank: write 0 where it is none"),
-        (("name,H [kN],direction [deg]", "a,1,2", "b,1,"), "3: direction [deg]: blank: write 0 where it is none"),
-        (("name,H [kN]", "storm,500", ",300"),
-         "3: name: blank: write the name in every row (rows of one name act together)"),
-        (("name,H [kN],arm [m]", "a,1,2", "name,H [kN],arm [m]"), '3: H [kN]: "H [kN]" is not a number'),
-        (("name,H [kN],arm [m]", ",MN,", "a,1,2"), '2: H [kN]: "MN" is not a number'),
-    ],
-)  # fmt: skip
-def test_cells_and_columns_in_doubt_are_refused(tmp_path: Path, lines: tuple[str, ...], found: str) -> None:
-    assert found in problems(tmp_path, *lines)
-
-
 def test_the_order_and_the_parts_of_loads_change_no_case(tmp_path: Path) -> None:
     """100 random tables: shuffled, and with a load in two halves; a repeated row counts twice and has a remark."""
     random = np.random.default_rng(40)
@@ -253,6 +233,17 @@ FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
         (("name,limit state,H [kN]", "a,ULS,1", "a,SLS,1"), "3: limit state: rows of one case differ: ULS, SLS"),
         (("name,H [kN],tilt [deg]", "a,1,1", "a,1,2"), "3: tilt [deg]: rows of case 'a' differ in their tolerance"),
         (("name,H [kN]", "=A1,1"), "2: name: \"=A1\": a name has at most 60 characters, the first none of = + - @"),
+        (("name,Fx [kN],H [kN]", "a,1,1"), '1: Fx [kN]: gives what "H [kN]" gives, too: keep one of them'),
+        (("name,Fx [kN],Fy [kN],Mx [kN m]", "a,1,,2"), "2: Fy [kN]: blank: write 0 where it is none"),
+        (("name,Fx [kN],Fy [kN],direction [deg]", "a,1,1,5"),
+         "1: direction [deg]: components have the axes x and y: they need no direction"),
+        (("name,H [kN],height [m]", "a,1,2", "b,1,"), "3: height [m]: blank: write 0 where it is none"),
+        (("name,H [kN],M [kN m]", "a,1,2", "b,1,-"), "3: M [kN m]: blank: write 0 where it is none"),
+        (("name,H [kN],direction [deg]", "a,1,2", "b,1,"), "3: direction [deg]: blank: write 0 where it is none"),
+        (("name,H [kN]", "storm,500", ",300"),
+         "3: name: blank: write the name in every row (rows of one name act together)"),
+        (("name,H [kN],arm [m]", "a,1,2", "name,H [kN],arm [m]"), '3: H [kN]: "H [kN]" is not a number'),
+        (("name,H [kN],arm [m]", ",MN,", "a,1,2"), '2: H [kN]: "MN" is not a number'),
     ],
 )  # fmt: skip
 def test_tables_that_are_refused(tmp_path: Path, lines: tuple[str, ...], found: str) -> None:

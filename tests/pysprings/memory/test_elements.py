@@ -380,8 +380,9 @@ def test_a_fan_without_rays_that_turn_back_has_no_memory() -> None:
         predict(springs, H=1e5, springs_kind="memory")
 
 
-def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, monkeypatch) -> None:
-    """Both are stored, and answer at their own rate, from a file too, without a calibration anew."""
+@pytest.fixture
+def made(monkeypatch) -> list[int]:
+    """Numbers of the calibrations, whose elements are invented."""
     made: list[int] = []
 
     def invented(_ways: object, table: FanTable, _stiffness: object, others: object) -> ElementSet:
@@ -389,6 +390,11 @@ def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, mon
         return elements_of(mixed(seed=len(made)), table)
 
     monkeypatch.setattr(build, "calibrate", invented)
+    return made
+
+
+def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, made) -> None:
+    """Both are stored, and answer at their own rate, from a file too, without a calibration anew."""
     save_springs(with_memory(winkler.at_two_rates((1e-5, 1e-3)).tree), tmp_path / "springs.nc")
     springs = Springs.of(open_springs(tmp_path / "springs.nc"))
     assert list(springs.memory) == ["memory", "memory_rate_1"]
@@ -399,17 +405,8 @@ def test_springs_have_a_memory_at_each_rate_of_rays_that_turn_back(tmp_path, mon
     assert len(made) == 2
 
 
-def test_a_file_without_elements_of_its_paths_is_calibrated_at_each_question_until_they_are_stored(
-    tmp_path, monkeypatch
-) -> None:
+def test_a_file_without_elements_of_its_paths_is_calibrated_at_each_question_until_they_are_stored(tmp_path, made):
     """The answer has a remark; `pysprings springs FILE --out NEW.nc` writes them, and those that belong to it stay."""
-    made: list[int] = []
-
-    def invented(_ways: object, table: FanTable, _stiffness: object, others: object) -> ElementSet:
-        made.append(len(made))
-        return elements_of(mixed(seed=len(made)), table)
-
-    monkeypatch.setattr(build, "calibrate", invented)
     bare = save_springs(winkler.springs(), tmp_path / "bare.nc")
     remarks = [MacroModel.from_springs(open_springs(bare), "memory").remarks for _ in range(2)]
     assert len(made) == 2 and all(any("calibrated for this answer" in each for each in own) for own in remarks)

@@ -160,8 +160,8 @@ def test_series_are_the_reference_and_bricks_beside_them(tmp_path: Path) -> None
     found = rows.assess(ended)
     assert found.kind == "fourier"
     assert list(found.series) == ["fourier-coarse-0.5-N2", "fourier-coarse-N2", "fourier-coarse-2-N2"]
-    assert found.orders["hex8"]["load"] == pytest.approx(ORDER, rel=1e-3)
-    assert found.orders["fourier"]["load"] == pytest.approx(ORDER, rel=1e-3)
+    for kind in ("hex8", "fourier"):
+        assert found.limits[kind]["pull"]["load"].order == pytest.approx(ORDER, rel=1e-3)
     assert found.apart["pull"]["load_max"] < 0.01
     assert full(found).loc["coarse-0.75", "load_max_pct"] > 1.0
     assert "pull: the limit of bricks is apart by" in "\n".join(study.reference_lines(found))
