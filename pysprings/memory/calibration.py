@@ -7,7 +7,7 @@ become one.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -152,7 +152,7 @@ def strongest(
     """
     carried, (numbers, most) = np.zeros(len(rows)), limit
     for motions, _, weights in known:
-        e = elastic_motions(choice.with_rows(rows), motions, largest)
+        e = elastic_motions(replace(choice, rows=rows), motions, largest)
         for plane in range(0, e.shape[2], 2):
             forces = _forces(rows, e[:, :, plane : plane + 2]) * weights[:, None, None]
             carried += (forces**2).sum(axis=(0, 2))

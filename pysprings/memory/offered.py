@@ -225,10 +225,6 @@ class Offered:
         _share(one, 0.5 * AZIMUTHS)
         return cls(np.concatenate([rows[round_, :COLUMNS], one]), np.arange(round_.sum() + len(one)) >= round_.sum())
 
-    def with_rows(self, rows: Array) -> Self:
-        """Return the same with other parameters of its elements."""
-        return type(self)(rows, self.spread)
-
     def chosen(self, which: Marks) -> Self:
         """Return those that are marked."""
         return type(self)(self.rows[which], self.spread[which])
