@@ -16,6 +16,7 @@ OF_BENCHMARKS = {
     "tests/pysprings/memory/test_aims.py",
     "tests/pysprings/model/test_domain_effect.py",
     "tests/verification/test_openfast_turbine.py",
+    "tests/verification/across.py",
     "tests/verification/test_peers.py",
 }
 
