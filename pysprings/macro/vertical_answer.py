@@ -106,15 +106,13 @@ def vertical_answer(
         )
     there = response.settle(model.vertical, down)
     used, alone, timed = there[2], there[-1], _other_rate(model, down, other)
+    left = _left(model.vertical, down[far & moved], own[far & moved])
     carried = {"converged": (~np.isnan(alone)).astype(np.int8)}
     return Down(
         marks | timed | carried | {"w": w + there[0] - model.vertical.displacements(V)[0]},
         there[1],
         np.nan_to_num(used, nan=np.inf),
-        [
-            f"{note}{_left(model.vertical, down[far & moved], own[far & moved])}"
-            for note in response.lacks_notes(down, moved)
-        ]
+        [f"{note}{left}" for note in response.lacks_notes(down, moved)]
         + [OTHER_RATE] * any(marks.any() for marks in timed.values()),
         beyond_springs(model, down, alone),
         no_equilibrium(model, down[np.isnan(alone)]),
