@@ -126,10 +126,10 @@ def _print(study: Study, folder: Path, written: dict[Path, str]) -> None:
         print_table(Table("", ["case", "status", "reason"], rows, left=[True, True, True]))
         if len(odd) > 20:
             print(f"and {len(odd) - 20:,} more in {folder / 'cases.csv'}")
-    for text in (notes := study.plan.remarks())[:20]:
+    for text in study.remarks[:20]:
         print(f"note: {text}")
-    if len(notes) > 20:
-        print(f"and {len(notes) - 20:,} more values beyond their common range")
+    if len(study.remarks) > 20:
+        print(f"and {len(study.remarks) - 20:,} more values beyond their common range")
     print()
     for file, meaning in written.items():
         print(f"{file}: {meaning}")

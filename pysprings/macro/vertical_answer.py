@@ -25,7 +25,7 @@ from pysprings.springs.path import SpringPath, off_rate
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
 OTHER_RATE = "V is carried by vertical springs of another rate"
-UNLOADED = "w under a smaller V is that after {:.5g} MN, the V at rest: of a caisson that carried no more it is less"
+UNLOADED = "w under less than the V at rest, {:.5g} MN, is that of unloading: without that V before, w is smaller"
 # A vertical spring may exceed its range by this share before it counts as extrapolated (rounding).
 SLACK = 1e-6
 

@@ -113,7 +113,7 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
     # integer columns and texts stay what they are; a missing column becomes blank cells
     table = pd.concat([frame.reindex(columns=PY_COLUMNS) for frame in frames], ignore_index=True)
     if Springs.of(springs).of_atlas:
-        whole = table["side"].isin(["net"]) & ~table["component"].isin(_COMPONENTS[:-1])
+        whole = (table["side"] == "net") & ~table["component"].isin(_COMPONENTS[:-1])
         table = table[table["side"].isna() | whole].reset_index(drop=True)
     return table
 

@@ -273,8 +273,8 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
         carried = [each for each in batch if each.group.name not in overloaded]
         tasks = []
         for each in carried:
-            told = whole.of(each.name, [path.name for path in each.scene.load_paths])
-            tasks.append(Task(each.name, carry_out, (each, out), weights[each.name], told))
+            shown = whole.of(each.name, [path.name for path in each.scene.load_paths])
+            tasks.append(Task(each.name, carry_out, (each, out), weights[each.name], shown))
         run_tasks(tasks, jobs_for(runs[0].scene, jobs, [task.cost for task in tasks]), done)
     return [ended[each.name] for each in runs if each.name in ended]
 

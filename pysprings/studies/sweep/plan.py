@@ -117,15 +117,19 @@ class Plan:
         """Return the scene of a case. Raises UserInputError."""
         return self.scene.scene(self.changes(case))
 
-    def hashes(self) -> list[str]:
-        """Return the folder name of every case: the first letters of the number of its scene.
+    def checked(self) -> tuple[list[str], list[str]]:
+        """Return the folder name of every case, and sentences on values beyond their common range.
 
+        A name is the first letters of the number of the scene; a sentence stands once, at the first case that has it.
         Raises UserInputError: the values of a case make no scene; every problem once, at its axis or its row.
         """
-        names, problems = [], dict[tuple[Any, ...], Problem]()
+        names, odd, problems = [], dict[str, str](), dict[tuple[Any, ...], Problem]()
         for case in self.cases:
             try:
-                names.append(self.scene_of(case).sha256[:16])
+                scene = self.scene_of(case)
+                names.append(scene.sha256[:16])
+                for text in implausible(scene):
+                    odd.setdefault(text, f"case {case.id}: {text}")
                 found = self._formulas(case)
             except UserInputError as error:
                 found = [*error.problems]
@@ -134,19 +138,7 @@ class Plan:
                 problems.setdefault((problem.line, problem.key, problem.message), problem)
         if problems:
             raise UserInputError(sorted(problems.values(), key=lambda each: each.line or 0))
-        return names
-
-    def remarks(self) -> list[str]:
-        """Return a sentence for each value beyond its common range, at the first case with that value of its axis."""
-        seen, found = set[tuple[int, Value]](), dict[str, str]()
-        for case in self.cases:
-            own = set(enumerate(case.values))
-            if own <= seen:
-                continue
-            seen |= own
-            for text in implausible(self.scene_of(case)):
-                found.setdefault(text, case.id)
-        return [f"case {number}: {text}" for text, number in found.items()]
+        return names, list(odd.values())
 
     def _formulas(self, case: Case) -> list[Problem]:
         """Return a problem for each text of a case that a spreadsheet would take for a formula: cases.csv holds it."""

@@ -42,12 +42,13 @@ _LEAST_PAUSE = 2.0  # s between two writings of cases.csv
 
 @dataclass
 class Study:
-    """A study that runs: its plan as cases.csv has it, the folder, how each case stands."""
+    """A study that runs: its plan as cases.csv has it, the folder, how each case stands, remarks on values."""
 
     plan: Plan
     out: Path
     hashes: dict[int, str]
     states: dict[int, State] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
     ran: int = 0
     carried: int = 0
     _written: float = -1e9
@@ -128,10 +129,10 @@ def _opened(plan: Plan, out: Path, again: bool) -> Study:
             raise refused("--out", f"{what}; --again makes it anew (what has run stays)", out)
         if known == plan.digest:
             plan, asked = read_cases(out, plan)
-    names = plan.hashes()
+    names, remarks = plan.checked()
     if known is None or not asked:
         write_text(json.dumps({"title": plan.title, "plan": plan.digest}) + "\n", stamp)
-    study = Study(plan, out, dict(zip((case.number for case in plan.cases), names, strict=True)))
+    study = Study(plan, out, dict(zip((case.number for case in plan.cases), names, strict=True)), remarks=remarks)
     for case in plan.cases:
         study.states[case.number] = _state(study, case, asked.get(case.number, ""))
     return study

@@ -72,7 +72,7 @@ def test_w_under_less_than_the_load_at_rest_is_named_as_that_of_unloading():
     for settled, V, named in ((0.0, 0.5, False), (8e-3, 0.5, True), (0.0, 1.5, False), (0.0, 1.0, False)):
         for path in tree["paths"].children.values():
             path.dataset = path.to_dataset().assign(w=path["w"] + settled)
-        assert ("after 2 MN, the V at rest" in str(way_to_load(tree, V=V * REST).attrs["remarks"])) == named
+        assert ("less than the V at rest, 2 MN" in str(way_to_load(tree, V=V * REST).attrs["remarks"])) == named
 
 
 def test_between_the_recorded_states_it_is_the_curve():

@@ -53,7 +53,7 @@ def study(tmp_path):
 
 def refusals(study, text, **files):
     with pytest.raises(UserInputError) as error:
-        study(text, **files).hashes()
+        study(text, **files).checked()
     return [(problem.line, problem.key, problem.message) for problem in error.value.problems]
 
 
@@ -65,7 +65,7 @@ def test_a_grid_has_all_combinations_and_each_changes_the_scene(study):
     assert plan.is_grid and len(plan.cases) == 6
     scene = plan.scene_of(plan.cases[4])
     assert scene.soil.young_modulus == 200e6 and scene.interface.friction_coefficient == 0.45
-    assert len(set(plan.hashes())) == 6
+    assert len(set(plan.checked()[0])) == 6
 
 
 def test_a_sample_fills_every_row_of_the_hypercube_once_and_repeats_with_its_seed(study):
@@ -117,7 +117,7 @@ def test_one_at_a_time_goes_through_the_ranges_of_a_scene(study, tmp_path, estim
     strata = [plan.scene_of(case).ground.strata for case in plan.cases]
     assert [each[0].values["rigidity_ratio"] for each in strata[:4]] == [200.0, 100.0, 300.0, 200.0]
     assert [each[0].values["undrained_shear_strength"] for each in strata[3:6]] == [8e3, 13e3, 10e3]
-    assert strata[5][1].values["undrained_shear_strength"].top == 20e3 and len(set(plan.hashes())) == 7
+    assert strata[5][1].values["undrained_shear_strength"].top == 20e3 and len(set(plan.checked()[0])) == 7
 
 
 @pytest.mark.parametrize(
@@ -194,7 +194,7 @@ def test_a_value_has_one_axis(study, other):
     assert found and all("has a value already: each key takes one" in message for _, _, message in found)
     mine = "soil.young_modulus [MPa],soil.young_modulus [kPa]\n80,90\n"
     with pytest.raises(UserInputError, match=r"soil\.young_modulus"):
-        study('scene = "base.toml"\ncases = "mine.csv"\n', mine=mine).hashes()
+        study('scene = "base.toml"\ncases = "mine.csv"\n', mine=mine).checked()
 
 
 def test_unknown_keys_of_the_scene_are_refused(study):
