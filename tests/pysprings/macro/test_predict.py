@@ -416,7 +416,7 @@ def test_the_skirt_of_an_elastic_caisson_has_no_displacement_in_an_answer():
 
 
 def test_the_command_loads_neither_the_engine_nor_scipy(tmp_path):
-    """A fan answers in the time of NumPy, pandas and xarray: SciPy takes 0.3 s, tables of estimates 5 % of it."""
+    """A fan answers in the time of NumPy, pandas and xarray: SciPy takes 0.3 s, tables of estimates 5 % of a start."""
     write_tree(make_springs(), tmp_path / "springs.nc")
     code = f"""import sys
 from pysprings.cli.app import main
