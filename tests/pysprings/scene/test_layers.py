@@ -161,7 +161,7 @@ def test_a_value_of_the_soil_that_no_layer_takes_has_no_effect(tmp_path):
     (tmp_path / "base.toml").write_text(text, encoding="utf-8")
     axis = '[[axis]]\nkey = "soil.friction_angle_final"\nvalues = ["33 deg", "36 deg"]\n'
     (tmp_path / "study.toml").write_text(f'scene = "base.toml"\n{axis}', encoding="utf-8")
-    (found,) = tiny.problems(read_study(tmp_path / "study.toml").hashes)
+    (found,) = tiny.problems(read_study(tmp_path / "study.toml").checked)
     assert (found.line, found.key) == (4, "soil.friction_angle_final")
 
 
