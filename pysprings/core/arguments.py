@@ -7,7 +7,9 @@ import numpy as np
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import Problem, UserInputError
-from pysprings.core.units import quoted
+from pysprings.core.units import QuantityError, quoted, unit_of
+
+_SI = ("N", "N m", "m", "rad", "s")  # units of the numbers that callers pass in
 
 
 def check_numbers(**values: Any) -> None:
@@ -21,13 +23,32 @@ def check_arrays(**values: Any) -> None:
 
 
 def check_shapes(**values: Any) -> None:
-    """Raise UserInputError where arrays have shapes that do not go together (None: not given)."""
+    """Raise UserInputError where arrays do not go together (None: not given): by shape, or by labels of one kind."""
     shapes = {name: np.shape(value) for name, value in values.items() if value is not None}
     try:
         np.broadcast_shapes(*shapes.values())
     except ValueError:
         have = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         _raise({next(iter(shapes)): f"give arrays of one shape, or single numbers; here {have}"})
+    first: dict[str, tuple[str, dict[Any, Any]]] = {}
+    for name, value in values.items():
+        kind, labels = _labels(value)
+        beside, own = first.setdefault(kind, (name, labels))
+        if labels and not _alike(labels, own):
+            _raise({name: f"{kind} differ from those of {beside}, and numbers are taken by place: align them first"})
+
+
+def _labels(value: Any) -> tuple[str, dict[Any, Any]]:
+    """Return what the labels of an array are called, and its indexes by dimension (None: unlabelled); else nothing."""
+    if dims := getattr(value, "dims", ()):  # of xarray
+        return "dimensions or coordinates", {dim: value.indexes.get(dim) for dim in dims}
+    index = getattr(value, "index", None)  # of pandas; a list has a method of this name
+    return "row labels", {"row": index} if hasattr(index, "equals") else {}
+
+
+def _alike(labels: dict[Any, Any], others: dict[Any, Any]) -> bool:
+    pairs = ((labels[dim], others.get(dim)) for dim in labels)
+    return list(labels) == list(others) and all(a is None or b is None or a.equals(b) for a, b in pairs)
 
 
 def too_early(time: Array, rows: Array) -> Marks:
@@ -62,9 +83,21 @@ def _number_fault(value: Any, arrays: bool) -> str:
         return ""
     if isinstance(value, str):
         return f"{quoted(value)} is a text: give a number in SI units (N, m, rad, N m)"
+    if np.ma.is_masked(value):
+        return "has masked values: leave them out"
+    if not _is_si(getattr(value, "units", None)):
+        return f"has the unit {quoted(str(value.units))}: give numbers in SI units (N, m, rad, N m)"
     data = np.asarray(value)
     if data.dtype.kind not in "iuf":
         return f"a number is needed, not {type(value).__name__}"
     if data.ndim and not arrays:
         return "one number is needed, not an array (`predict_batch` takes arrays)"
     return "" if np.isfinite(data).all() else "not a finite number"
+
+
+def _is_si(unit: Any) -> bool:
+    """Return whether the unit of a number (of pint; an attribute of an array of xarray) is None or an SI unit."""
+    try:
+        return unit is None or unit_of(str(unit)) in [unit_of(each) for each in _SI]
+    except QuantityError:
+        return False

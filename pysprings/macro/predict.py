@@ -162,7 +162,7 @@ def way_to_motion(
     care, choice = _parts(asking)
     targets = np.zeros((n + 1, 2))
     for column, value in enumerate(given.values()):
-        targets[:, column] = np.linspace(0.0, value, n + 1)
+        targets[:, column] = np.linspace(0.0, float(value), n + 1)
     controls: dict[tuple[str, ...], Control] = {("u",): "displacement", ("rotation",): "rotation"}
     model = model_of(springs, V=V, **choice)
     return _answered(model, trace(model, controls.get(tuple(given), "state"), targets, arm, V), care)

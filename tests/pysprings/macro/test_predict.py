@@ -5,6 +5,8 @@ import subprocess
 import sys
 
 import numpy as np
+import pandas as pd
+import pint
 import pytest
 import xarray as xr
 from scipy.interpolate import PchipInterpolator
@@ -374,6 +376,24 @@ def test_bad_arguments_are_refused(arguments, key):
         (lambda springs: predict_batch(springs, H=[True]), "H", "a number is needed"),
         (lambda springs: predict_batch(springs, H=[1e5, np.nan]), "H", "not a finite number"),
         (lambda springs: predict_batch(springs, H=[1e5, 2e5], arm=[1.0, 2.0, 3.0]), "H", "of one shape, or single"),
+        (lambda springs: predict(springs, H=pint.UnitRegistry().Quantity(1, "MN")), "H", 'has the unit "meganewton"'),
+        (lambda springs: predict(springs, H=xr.DataArray(300.0, attrs={"units": "kN"})), "H", 'has the unit "kN"'),
+        (lambda springs: predict(springs, H=np.ma.masked), "H", "has masked values"),
+        (lambda springs: predict_batch(springs, H=np.ma.array([1e5, 9e5], mask=[0, 1])), "H", "has masked values"),
+        (
+            lambda springs: predict_batch(springs, H=pd.Series([1e5, 2e5]), arm=pd.Series([2.0, 3.0], index=[1, 0])),
+            "arm",
+            "row labels differ from those of H",
+        ),
+        (
+            lambda springs: predict_batch(
+                springs,
+                H=xr.DataArray(np.ones((2, 2)), dims=["a", "b"]),
+                arm=xr.DataArray(np.ones((2, 2)), dims=["b", "a"]),
+            ),
+            "arm",
+            "dimensions or coordinates differ from those of H",
+        ),
         (lambda springs: stiffness(springs, H="1 MN"), "H", "is a text"),
         (lambda springs: stiffness(springs, u="1 mm"), "u", "is a text"),
         (lambda springs: stiffness(springs, V="2 MN"), "V", "is a text"),
@@ -389,8 +409,11 @@ def test_what_is_no_number_is_refused_in_one_line(ask, key, words):
 def test_numbers_of_numpy_and_whole_numbers_are_numbers():
     springs = make_springs()
     expected = float(predict(springs, H=1e5)["u"])
-    for force in (100_000, np.float32(1e5), np.int64(100_000), np.array(1e5)):
+    of_xarray = xr.DataArray(1e5, attrs={"units": "N"})
+    for force in (100_000, np.float32(1e5), np.int64(100_000), np.array(1e5), of_xarray):
         assert float(predict(springs, H=force)["u"]) == expected
+    answer = predict(springs, H=of_xarray)
+    assert float(impose(springs, u=answer["u"])["H"]) == pytest.approx(1e5)
 
 
 def test_tangent_stiffness_at_mudline():
