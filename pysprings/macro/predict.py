@@ -159,6 +159,8 @@ def way_to_motion(
     if not given:
         raise refused("u", "give a displacement, a rotation, or both")
     check_numbers(arm=arm, V=V, **given)
+    if len(given) == 2 and arm:
+        raise refused("arm", "with u and rotation both loads are answers: leave it out")
     care, choice = _parts(asking)
     targets = np.zeros((n + 1, 2))
     for column, value in enumerate(given.values()):
@@ -212,6 +214,8 @@ def sequence(
     if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
         raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")
     check_rows(rows, V, time)
+    if arm and control in ("load", "state"):
+        raise refused("arm", f"is that of a displacement or a rotation: of the control '{control}' give M or rotation")
     down = None if V is None else np.asarray(V, dtype=float)
     first = None if down is None else float(down.ravel()[0])
     care, choice = _parts(asking)

@@ -302,10 +302,15 @@ def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> Macr
 
 
 def _parts(question: Question) -> tuple[Load, Form, Asking]:
+    for name in question:
+        if name not in Question.__annotations__:
+            raise TypeError(f"a stiffness got an unexpected keyword argument '{name}'")
     given: dict[str, Any] = {name: value for name, value in question.items() if value is not None}
     load: Any = {name: given.pop(name) for name in Load.__annotations__ if name in given}
     form: Any = {name: given.pop(name) for name in Form.__annotations__ if name in given}
     check_numbers(**load)
+    if {"u", "rotation"} & set(load) and {"H", "M"} & set(load):
+        raise refused("u", "give a load or a motion, not both")
     asking: Any = given
     return load, form, asking
 

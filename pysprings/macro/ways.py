@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
 from pysprings.core.arrays import Array, Marks
+from pysprings.core.errors import refused
 from pysprings.core.loads import loads_in_words, same_load
+from pysprings.core.units import quoted
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
 
@@ -28,8 +30,11 @@ Control = Literal["displacement", "rotation", "load", "state"]
 def equations(control: Control, targets: Array, arm: float, size: Array) -> tuple[Drive, Array]:
     """Return the equations of a control and their right sides c (n, 2): see `pysprings.macro.solver`.
 
-    size (2,) is that of H [N] and M [N m], for tolerances; arm [m] the height of the load.
+    size (2,) is that of H [N] and M [N m], for tolerances; arm [m] the height of the load. Raises UserInputError for
+    another control.
     """
+    if control not in get_args(Control):
+        raise refused("control", f"expected one of {', '.join(get_args(Control))}, not {quoted(str(control))}")
     zero, one = np.zeros((2, 2)), np.eye(2)
     if control == "load":
         return Drive(zero, one, size), targets

@@ -19,7 +19,7 @@ from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.curve_table import pchip_slopes
 from pysprings.macro.predict import MacroModel, MacroWarning, PredictionNotConverged, curve, impose, predict, sequence
-from pysprings.macro.stiffness import stiffness
+from pysprings.macro.stiffness import stiffness, stiffness_six
 from tests.support.closed_forms import (
     DEPTH,
     LENGTH,
@@ -372,6 +372,13 @@ def test_bad_arguments_are_refused(arguments, key):
         (lambda springs: impose(springs, rotation=False), "rotation", "not bool"),
         (lambda springs: sequence(springs, [["1 MN", 0.0]]), "targets", "a number is needed"),
         (lambda springs: sequence(springs, [[1e5, 0.0]], V="2 MN"), "V", "is a text"),
+        (
+            lambda springs: sequence(springs, [[1e-4, 0.0]], control="displacements"),
+            "control",
+            "expected one of displacement,",
+        ),
+        (lambda springs: sequence(springs, [[1e5, 0.0]], arm=2.0), "arm", "give M"),
+        (lambda springs: impose(springs, u=1e-3, rotation=1e-4, arm=2.0), "arm", "both loads are answers"),
         (lambda springs: predict_batch(springs, H=["1 MN"]), "H", "a number is needed, not list"),
         (lambda springs: predict_batch(springs, H=[True]), "H", "a number is needed"),
         (lambda springs: predict_batch(springs, H=[1e5, np.nan]), "H", "not a finite number"),
@@ -395,6 +402,7 @@ def test_bad_arguments_are_refused(arguments, key):
             "dimensions or coordinates differ from those of H",
         ),
         (lambda springs: stiffness(springs, H="1 MN"), "H", "is a text"),
+        (lambda springs: stiffness(springs, H=1e5, u=1e-3), "u", "give a load or a motion"),
         (lambda springs: stiffness(springs, u="1 mm"), "u", "is a text"),
         (lambda springs: stiffness(springs, V="2 MN"), "V", "is a text"),
     ],
@@ -404,6 +412,13 @@ def test_what_is_no_number_is_refused_in_one_line(ask, key, words):
         ask(make_springs())
     (problem,) = caught.value.problems
     assert (problem.key, words in problem.message) == (key, True)
+
+
+@pytest.mark.parametrize("ask", [stiffness, stiffness_six])
+@pytest.mark.parametrize("load", [{"H_x": 1e5, "M_y": 2e5}, {"H": 1e5, "height": 2.0}])
+def test_a_stiffness_under_words_that_it_does_not_take_is_not_that_at_rest(ask, load):
+    with pytest.raises(TypeError, match=r"unexpected keyword argument '(H_x|height)'"):
+        ask(make_springs(), **load)
 
 
 def test_numbers_of_numpy_and_whole_numbers_are_numbers():
