@@ -67,6 +67,7 @@ def trace(
     springs that have one are marked.
     """
     targets = np.asarray(targets, dtype=float)
+    V = None if V is None else np.asarray(V, dtype=float) if np.ndim(V) else float(V)
     states, loads, message = model.solve(control, targets, arm, V=V)
     n = len(states)
     down, at = V[:n] if isinstance(V, np.ndarray) else V, None if time is None else time[:n]

@@ -138,7 +138,7 @@ def way_to_load(
     model, share = model_of(springs, V=V, **choice), np.linspace(0.0, 1.0, n + 1)
     if V is not None and H is None and M is None and arm is None:
         rest = model.rest_load
-        return _answered(model, trace(model, "load", np.zeros((n + 1, 2)), 0.0, rest + share * (V - rest)), care)
+        return _answered(model, trace(model, "load", np.zeros((n + 1, 2)), 0.0, rest + share * (float(V) - rest)), care)
     force, moment = (float(value) for value in loads_of(H, arm, M))
     height = arm if arm is not None else (moment / force if force else 0.0)
     return _answered(model, trace(model, "load", share[:, None] * np.array([force, moment]), height, V), care)

@@ -313,6 +313,7 @@ class Springs:
         """Return the springs at a vertical load [N], as one set of lateral paths."""
         if len(self.load_sets) < 2:
             return self
+        V = float(V)  # of an array of no dimension, too
         return self._cached(("load", V), lambda: self._made_at_load(V))
 
     def answering(self, path: SpringPath) -> Springs:

@@ -192,6 +192,18 @@ def test_vertical_paths_take_no_part_in_the_lateral_springs():
 # --- several vertical loads ---
 
 
+def test_a_vertical_load_may_be_an_array_of_no_dimension():
+    tree = vertical_springs(heavier=(6e6,))
+    asks = (
+        lambda V: impose(tree, u=1e-3, rotation=0.0, V=V)["H"],
+        lambda V: predict(tree, V=V)["w"],
+        lambda V: stiffness(tree, u=1e-3, rotation=0.0, V=V)[0, 0],
+    )
+    for ask in asks:
+        for V in (np.array(3e6), xr.DataArray(3e6, attrs={"units": "N"})):
+            assert float(ask(V)) == float(ask(3e6))
+
+
 def test_between_two_loads_reactions_are_interpolated_and_w_is_that_of_the_vertical_springs():
     """The invented reactions grow in proportion to V, so that interpolation is exact; no warning is given."""
     tree = vertical_springs(heavier=(6e6,))
