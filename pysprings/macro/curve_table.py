@@ -22,6 +22,7 @@ import xarray as xr
 
 from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
+from pysprings.core.path_kinds import driven
 from pysprings.core.text import suggestion
 from pysprings.springs.path import SpringPath
 from pysprings.springs.sums import action
@@ -175,9 +176,13 @@ class _Recorded:
 
 
 def _to_its_turn(path: SpringPath) -> SpringPath:
-    """Return a path up to where it first turns back: to the largest motion before |(u, rotation L)| falls."""
+    """Return a path up to where it first turns back, or rests, and what is free creeps on.
+
+    To the largest motion before |(u, rotation L)| falls, or that which is driven stands still.
+    """
     size = np.hypot(path.u - path.u[0], path.turn - path.turn[0])
-    falls = np.flatnonzero(np.diff(size) < 0.0)
+    way = np.abs(path[driven(path.attrs)] - path[driven(path.attrs)][0])
+    falls = np.flatnonzero((np.diff(size) < 0.0) | (np.diff(way) <= MIN_GROWTH * way.max()))
     n = int(np.argmax(size[: falls[0] + 1])) + 1 if falls.size else size.size
     return SpringPath(path.name, path.dataset.isel(step=slice(n)), path.length)
 

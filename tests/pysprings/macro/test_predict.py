@@ -273,6 +273,23 @@ def test_springs_of_a_pull_that_turns_back_are_those_without_its_turn():
     np.testing.assert_allclose(one["range_used"][-1], 1.0)
 
 
+def test_springs_of_a_pull_that_rests_are_those_without_its_rest():
+    """While u rests the free rotation creeps on: it carries no curve in place of u and y."""
+    tree = make_springs((Path("pull"), Path("rested")))
+    there = tree["paths/pull"].to_dataset(inherit=False)
+    n = there.sizes["step"]
+    rested = there.isel(step=[*range(n), *[n - 1] * 3]).assign_coords(step=np.arange(n + 3))
+    turn = there["rotation"].values[-1] * (1.0 + 1e-3 * np.arange(1, 4))
+    rested["rotation"] = ("step", np.concatenate([there["rotation"].values, turn]))
+    rested["y"] = (rested["u"] - rested["rotation"] * rested["depth"]).transpose(*there["y"].dims)
+    tree["paths/rested"].dataset = rested.assign_attrs(then_parts=1)
+    pull, other = (MacroModel.from_springs(tree, "full", name) for name in ("pull", "rested"))
+    assert pull.table.carrier == other.table.carrier
+    states = np.stack([there["u"], there["rotation"]], axis=1)
+    for name in ("H", "M", "p", "range_used"):
+        np.testing.assert_array_equal(trace(pull, "state", states)[name], trace(other, "state", states)[name])
+
+
 @pytest.mark.parametrize("spring_set", ["full", "py"])
 def test_where_springs_of_a_path_end_they_leave_it_and_keep_its_w(spring_set):
     """A caisson that slides, then turns at the same u: every curve ends at the corner, so does what goes with them."""
