@@ -127,6 +127,8 @@ def _stresses(given: list[str] | None) -> tuple[float, ...]:
         value = quantities({"--stress": (text, "Pa", "100 kPa")})["--stress"]
         if value is None or value <= 0.0:
             refuse("--stress", f"{quoted(text)} must be positive")
+        if f"{value:.6g}" in (f"{each:.6g}" for each in found):  # as many digits as a test's name has
+            refuse("--stress", f"{quoted(text)} stands there twice")
         found.append(value)
     return tuple(found)
 

@@ -161,7 +161,7 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
     one, other = (np.interp(grid, *growing(way, each[load])) for way, each in zip(ways, (a, b), strict=True))
     if (size := float(np.abs(one).max())) and (load == "V" or all(load in each for each in loads)):
         share = 100.0 * float(np.abs(other - one).max()) / size
-        yield Row(part, f"largest difference of {load}", "", share, unit="% of the largest")
+        yield Row(part, f"largest difference of {load}", "", share, unit="% of the largest of the first")
 
 
 LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}

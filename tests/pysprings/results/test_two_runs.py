@@ -55,7 +55,7 @@ def test_the_numbers_of_both(folders: tuple[Path, Path]) -> None:
         assert load["first"] == pytest.approx(1e-3 * float(path["H"][-1]), rel=1e-4)
     largest = made["path pull: largest difference of H"]
     assert largest["second"] == pytest.approx(10.0, abs=0.2)
-    assert [each["unit"] for each in (load, largest, young)] == ["kN", "% of the largest", ""]
+    assert [each["unit"] for each in (load, largest, young)] == ["kN", "% of the largest of the first", ""]
 
 
 def test_what_goes_up_has_its_sign_and_what_is_not_compared_is_named(folders: tuple[Path, Path]) -> None:

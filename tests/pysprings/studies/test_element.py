@@ -124,6 +124,7 @@ def test_a_fit_finds_a_key_that_starts_from_0(scene: Path, tmp_path: Path) -> No
         (("--layer", "silt"), "--layer: \"silt\" is no layer of the scene"),
         (("--layer", "sand", "--stress", "5"), '--stress: expected a quantity with unit such as "100 kPa"'),
         (("--layer", "sand", "--stress", "-5 kPa"), "must be positive"),
+        (("--layer", "sand", "--stress", "50 kPa", "--stress", "0.05 MPa"), '"0.05 MPa" stands there twice'),
         (("--layer", "sand", "--depth", "9 m"), "--depth: 9 m is not in the layer, 0 to 6 m"),
         (("--layer", "sand", "--test", "oedometer", "--drainage", "undrained"), "an oedometer test drains"),
         (("--layer", "sand", "--fit", "cohesion"), "--fit: needs --data"),
