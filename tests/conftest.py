@@ -2,6 +2,7 @@
 """One thread for each worker, a time limit for each tier, and fixtures that several folders use."""
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,9 @@ import pytest
 # before any library is loaded: two workers with two threads each wait for each other on two cores
 for _name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
+
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as in the background of a shell: tests send it
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 LIMITS = {"long": 3600, "slow": 1800, "": 300}  # s for a test of each tier, on a busy machine
 
