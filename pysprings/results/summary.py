@@ -5,7 +5,7 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -24,6 +24,9 @@ from pysprings.scene.model import Scene, caisson_text, ground_text
 from pysprings.springs.card import stiffness_words
 from pysprings.springs.path import paths_of, space_paths_of
 from pysprings.springs.path_ends import STOPPED, before_cavitation, end_of, steps_before_cavitation
+
+if TYPE_CHECKING:
+    from pysprings.macro.model import MacroModel
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
@@ -129,34 +132,44 @@ _SIX = (
 
 
 def _vertical(run: Run) -> str:
-    """Give V at rest with the share that is used, the largest V that the springs carry, and V of several spring sets.
+    """Give V at rest with the share that is used, the largest V of each rate that the springs carry, and V of sets.
 
-    Empty without vertical springs.
+    Empty without vertical springs. The share is of the largest V at the slowest rate.
     """
     from pysprings.macro.model import MacroModel
-    from pysprings.macro.vertical_answer import largest_vertical, vertical_use
+    from pysprings.macro.vertical_answer import vertical_use
     from pysprings.springs.springs import Springs
 
     if run.springs is None:
         return ""
     springs = Springs.of(run.springs)
-    rates = springs.rate_sets  # the vertical springs are the same at all
+    rates = springs.rate_sets
     try:
-        model = MacroModel.from_springs(springs.at_rate(rates[0].rate) if len(rates) > 1 else springs)
+        models = [MacroModel.from_springs(springs.at_rate(each.rate) if len(rates) > 1 else springs)
+                  for each in rates or (None,)]  # fmt: skip
     except PyspringsError:  # no lateral springs
         return ""
-    known = [(word, *largest_vertical(model, sign)) for word, sign in (("push", 1.0), ("pull", -1.0))]
-    parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
-    least = min((each.largest for each in model.vertical.branches), default=0.0) if model.vertical else 0.0
-    parts += [f"nothing below {1e-6 * least:.4g} MN"] if least > 0.0 else []
-    used = float(vertical_use(model, np.array([model.rest_load]))["utilisation_V"][0])
+    known = dict.fromkeys(filter(None, map(_largest_vertical, models)))  # once where all have one vertical path
+    rest = models[0].rest_load
+    used = float(vertical_use(models[0], np.array([rest]))["utilisation_V"][0])
     share = f", {100.0 * used:.3g} % used" if math.isfinite(used) else ""
     sets = [f"{1e-6 * each.V:.4g}" for each in springs.load_sets]
     at = f"; lateral springs at V {', '.join(sets)} MN" if len(sets) > 1 else ""
-    branches = model.vertical.branches if model.vertical and model.rate else ()
-    paces = dict.fromkeys(number(1e3 * each.rate) for each in branches if each.rate)
-    at += f"; vertical paths at {', '.join(paces)} mm/s" if paces else ""
-    return f"V {1e-6 * model.rest_load:.4g} MN at rest{share}; largest known: {', '.join(parts)}{at}" if parts else ""
+    return f"V {1e-6 * rest:.4g} MN at rest{share}; largest known{'; '.join(known)}{at}" if known else ""
+
+
+def _largest_vertical(model: "MacroModel") -> str:
+    """Return the rate of vertical springs, where they have one, and the largest V in both directions; else nothing."""
+    from pysprings.macro.vertical_answer import largest_vertical
+
+    branches = model.vertical.branches if model.vertical else ()
+    known = [(word, *largest_vertical(model, sign)) for word, sign in (("push", 1.0), ("pull", -1.0))]
+    parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
+    least = min((each.largest for each in branches), default=0.0)
+    parts += [f"nothing below {1e-6 * least:.4g} MN"] if least > 0.0 else []
+    paces = dict.fromkeys(number(1e3 * each.rate) for each in branches if each.rate and model.rate)
+    pace = f" at {', '.join(paces)} mm/s of w" if paces else ""
+    return f"{pace}: {', '.join(parts)}" if parts else ""
 
 
 def _tilt(run: Run) -> str:

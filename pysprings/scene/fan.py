@@ -41,7 +41,7 @@ def fan_paths(springs: Springs, caisson: Caisson) -> tuple[Path, ...]:
     angles = tuple(float(f"{math.degrees(angle):.9g}") for angle in springs.rays) or RAYS
     parts = [*_rays(springs, caisson, rates, angles)]
     if springs.vertical:
-        parts += _vertical(springs, rates[0])
+        parts += _vertical(springs, rates)
     if springs.memory:
         parts += _reversed(springs, caisson, rates)
         parts += _changing(springs, caisson)
@@ -157,11 +157,11 @@ def ray_name(angle: float) -> str:
     return f"ray_{'minus_' if angle < 0 else ''}{abs(angle):g}".replace(".", "_")
 
 
-def _vertical(springs: Springs, rate: float | None) -> Iterator[dict[str, Any]]:
+def _vertical(springs: Springs, rates: tuple[float | None, ...]) -> Iterator[dict[str, Any]]:
     assert springs.reach is not None
-    for name, sign in (("down", 1.0), ("up", -1.0)):
+    for (pace, rate), (name, sign) in product(enumerate(rates), (("down", 1.0), ("up", -1.0))):
         way = sign * _SHARE * springs.reach
-        yield {"name": name, "kind": VERTICAL, "vertical_displacement": way, "rate": rate}
+        yield {"name": name + _suffix(0, pace), "kind": VERTICAL, "vertical_displacement": way, "rate": rate}
 
 
 def _pulls(

@@ -113,7 +113,7 @@ _RAYS = QuantityList(
 )  # fmt: skip
 _RATES = QuantityList(
     "", (("", Quantity("mm/s", "[1e-9, 1e6]", "rate", "0.05 mm/s")),),
-    "rates of the reach at which the rays are computed; needed where water flows",
+    "rates of the reach, and of w, at which rays and vertical paths are computed; needed where water flows",
 )  # fmt: skip
 _VISCOUS = Quantity(
     "mm", "[1e-9, 100]",
@@ -438,8 +438,8 @@ class Springs(Section):
     """A fan of load paths, made from diameter, skirt length and reach; [[path]] tables add to it.
 
     Eight rays move the lid centre by u and turn the caisson in proportion, until sqrt(u^2 + (rotation skirt_length)^2)
-    is `reach`. Two vertical paths and five pulls, held back, go to half of it. With `memory` three rays at each
-    vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it, and with `vertical_loads`, without
+    is `reach`. Two vertical paths at each rate and five pulls, held back, go to half of it. With `memory` three rays at
+    each vertical load and rate go back and forth, at 12, 24 (twice) and 40 % of it, and with `vertical_loads`, without
     `rates`, three more at 12 % while the vertical load changes. `rays` has other directions than these. With
     `directions` a circle at a quarter of it, a bow tie, a twist, and a held-back walk of five legs leave the plane.
     """

@@ -403,6 +403,7 @@ def same_way(a: SpringPath, b: SpringPath) -> bool:
     if a.kind != b.kind or not np.array_equal(arms[:1], arms[1:], equal_nan=True):
         return False
     if not (a.is_straight and b.is_straight):
-        return bool(np.sign(a.u[-1]) == np.sign(b.u[-1]))
+        ends = [path.w[-1] - path.w[0] if path.is_vertical else path.u[-1] for path in (a, b)]
+        return bool(np.sign(ends[0]) == np.sign(ends[1]))
     ways = [np.arctan2(path.turn[-1], path.u[-1]) for path in (a, b)]
     return bool(abs(ways[0] - ways[1]) < SAME_DIRECTION)

@@ -10,6 +10,7 @@ every reaction is interpolated at the same state, linearly in log v,
 so that the sums of reactions stay the loads, and the water stays a component of its own. (Pulls are compared at the
 same u, and their rotation is interpolated too.) Consolidation under a ramp passes from drained to undrained over about
 two decades of v; sets a decade apart follow it. Beyond the slowest and the fastest set nothing is extrapolated.
+Vertical paths are sets of their own, by the rate of w.
 
 A dead load presses lid and tip on the soil: it changes contact and friction, and with them every lateral reaction. The
 vertical load of a path is V at its start. Lateral calibration paths of the same V are one set; the main set has the
@@ -51,7 +52,7 @@ class Between(NamedTuple):
 
 
 def rate_sets(paths: Iterable[SpringPath]) -> tuple[RateSet, ...]:
-    """Return the sets of lateral calibration paths by rate, slowest first; none where no path has a time."""
+    """Return the sets of calibration paths, lateral or vertical ones, by rate, slowest first; none without a time."""
     timed = sorted((path.rate, path.name) for path in paths if path.rate is not None)
     groups: list[list[tuple[float, str]]] = []
     for rate, name in timed:
@@ -65,7 +66,7 @@ def rate_sets(paths: Iterable[SpringPath]) -> tuple[RateSet, ...]:
 def at_rate(
     paths: Mapping[str, SpringPath], sets: Sequence[RateSet], rate: float
 ) -> tuple[dict[str, SpringPath], Between | None]:
-    """Return the lateral paths at a rate [m/s], and what they lie between.
+    """Return the paths of sets at a rate [m/s], and what they lie between.
 
     They are those of the set at that rate (None), or between the two sets around it.
 
@@ -90,9 +91,9 @@ def at_rate(
 def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
     """Return (1 - share) slow + share fast at the states of the slow path that the fast one reaches too.
 
-    On paths that keep their direction u, rotation and y are those of the slow path; on pulls u is.
+    On paths that keep their direction u, rotation and y are those of the slow path; on pulls u, on vertical paths w is.
     """
-    unchanged = {"u", "converged"} | ({"rotation", "y"} if slow.is_straight else set())
+    unchanged = {"w" if slow.is_vertical else "u", "converged"} | ({"rotation", "y"} if slow.is_straight else set())
     way, other_way, whole = _way(slow), _way(fast), slow.dataset
     reached = np.flatnonzero(way <= other_way[-1] * (1.0 + 1e-9))
     out, way = whole if reached.size == way.size else whole.isel(step=reached), way[reached]
@@ -104,6 +105,8 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
             other = fast.dataset.variables[name].transpose(*values.dims).values
             moved = _interpolated(way, other_way, other, values.dims.index("step"))
             data[name] = (1.0 - share) * values.values + share * moved
+            if name == "time":  # the rate, too, between both in its logarithm
+                data[name] = values.values ** (1.0 - share) * moved**share
     out = out.copy(data=data)
     out.attrs = {key: value for key, value in slow.attrs.items() if key not in KEYS}
     out.attrs |= earlier_end(out, whole, fast.dataset)
@@ -127,7 +130,9 @@ def _interpolated(x: Array, known: Array, values: Array, axis: int) -> Array:
 
 
 def _way(path: SpringPath) -> Array:
-    """Return the distance (n,) that each step has come [m]: rho, or |u| where the rotation is free."""
+    """Return the distance (n,) that each step has come [m]: rho, |u| where the rotation is free, or that of w."""
+    if path.is_vertical:
+        return np.abs(path.w - path.w[0])
     return np.hypot(path.u, path.turn) if path.is_straight else np.abs(path.u)
 
 

@@ -348,13 +348,20 @@ class Springs:
 
     def _made_at_rate(self, rate: float) -> Springs:
         lateral, mix = path_sets.at_rate(self.paths, self.rate_sets, rate)
-        vertical = [path for path in self.vertical if path.name not in lateral]  # at the rate of their own
+        vertical = self._vertical_at_rate(rate)
         turning = [path for path in self.paths.values() if path.remembers and path.rate and is_rate(path.rate, rate)]
         springs = self.with_paths([*lateral.values(), *vertical, *turning], rate_m_per_s=rate)
         validate_springs(springs.tree, balanced=False)  # as balanced as what they are made of
         shares = () if mix is None else ((mix.first, 1.0 - mix.share), (mix.second, mix.share))
         parts = tuple((self.at_rate(each), share) for each, share in shares)
         return replace(springs, every_rate=self.every_rate or self, parts=parts)
+
+    def _vertical_at_rate(self, rate: float) -> Iterable[SpringPath]:
+        """Return the vertical paths at a rate [m/s], or at the nearest one that they have."""
+        sets = path_sets.rate_sets(self.vertical)
+        if len(sets) < 2:
+            return self.vertical
+        return path_sets.at_rate(self.paths, sets, min(max(rate, sets[0].rate), sets[-1].rate))[0].values()
 
     def _made_at_load(self, V: float) -> Springs:
         main = path_sets.nearest(self.load_sets, self.rest_load)

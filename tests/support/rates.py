@@ -31,11 +31,16 @@ def at_two_rates(stronger: float = 1.2, speeds: tuple[float, ...] = (1e-5, 1e-3)
     return xr.DataTree.from_dict(groups)
 
 
-def with_vertical(rate: float) -> xr.DataTree:
-    """The rays at 1e-5 and 1e-3 m/s, with vertical paths at one rate of w [m/s]."""
+def with_vertical(*rates: float, stronger: float = 1.5) -> xr.DataTree:
+    """The rays at 1e-5 and 1e-3 m/s, with vertical paths at rates of w [m/s], each stronger than the one before."""
     tree = at_two_rates()
-    for name, end in (("down", 1e-2), ("up", -1e-2)):
-        path = vertical_path(tree["paths/slide0"].to_dataset(inherit=False).drop_vars("time"), end)
-        path["time"] = ("step", np.abs(path["w"].values) / rate, {"long_name": "time", "units": "s"})
-        tree[f"paths/{name}"] = xr.DataTree(path)
+    for number, rate in enumerate(rates):
+        for name, end in (("down", 1e-2), ("up", -1e-2)):
+            path = vertical_path(tree["paths/slide0"].to_dataset(inherit=False).drop_vars("time"), end)
+            for variable in ("t", "V", "V_tip", "V_lid"):
+                start, attrs = path[variable].isel(step=0), path[variable].attrs
+                changed = start + (path[variable] - start) * stronger**number
+                path[variable] = changed.transpose(*path[variable].dims).assign_attrs(attrs)
+            path["time"] = ("step", np.abs(path["w"].values) / rate, {"long_name": "time", "units": "s"})
+            tree[f"paths/{name}{f'_rate_{number}' if number else ''}"] = xr.DataTree(path)
     return tree

@@ -192,8 +192,16 @@ def test_vertical_loads_stand_in_the_summary() -> None:
     sudden = "at the lid centre (of a load so sudden that no water moves)"  # not the stiffness of a slow one
     wet, dry = (_stiffness(SimpleNamespace(result=tree)) for tree in (with_vertical(1e-5), fan_with_vertical()))
     assert wet.endswith(sudden) and dry.endswith("at the lid centre")
-    at_rates = _vertical(SimpleNamespace(springs=with_vertical(1e-5)))  # no rate is asked for: they are the same at all
-    assert at_rates.startswith("V 2 MN at rest, ") and at_rates.endswith("; vertical paths at 0.01 mm/s")
+    for rates in ((0.01,), (0.01, 1.0)):  # mm/s; no rate is asked for
+        known = _vertical(SimpleNamespace(springs=with_vertical(*(1e-3 * rate for rate in rates)))).split(
+            "largest known"
+        )
+        assert known[0].startswith("V 2 MN at rest, ")
+        pushes = re.findall(r"(?: at ([\d.]+) mm/s of w: push ([\d.]+) MN \([^;]*)(?:; |$)", known[1])
+        assert [float(rate) for rate, _ in pushes] == list(rates)
+        assert [float(push) - 2.0 for _, push in pushes] == pytest.approx(
+            [float(pushes[0][1]) - 2.0, 1.5 * (float(pushes[0][1]) - 2.0)][: len(rates)], rel=1e-3
+        )
 
 
 def test_a_path_that_turns_back_gives_the_load_at_which_it_first_has_the_tilt(folder: Path) -> None:

@@ -16,6 +16,15 @@ from tests.support import tiny
 REACH = 0.02
 
 
+def test_vertical_paths_have_each_rate() -> None:
+    scene = tiny.sand(springs={"reach": REACH, "rates": (1e-5, 1e-3)}, drainage={"mode": "coupled"})
+    found = {path.name: (path.rate, path.vertical_displacement) for path in scene.load_paths if path.kind == "vertical"}
+    half = 0.5 * REACH
+    assert found == {
+        "down": (1e-5, half), "up": (1e-5, -half), "down_rate_1": (1e-3, half), "up_rate_1": (1e-3, -half),
+    }  # fmt: skip
+
+
 def test_rays_turn_back_under_each_vertical_load_and_rate() -> None:
     """Three under each, with the motion of those of the scene's load, at the rate all along their way."""
     rates, loads = (1e-5, 1e-3), (3e6, 5e6)

@@ -221,6 +221,25 @@ def test_a_vertical_load_on_springs_of_another_rate_is_marked(rate: float, marks
     assert one.attrs["capacity_V_from"].startswith("path 'up' (0.01 mm/s), at")
 
 
+@pytest.mark.parametrize(("rate", "factor"), [(1e-5, 1.0), (1e-4, 1.25), (1e-3, 1.5)])
+def test_vertical_springs_are_those_of_the_rate_or_between_two(rate: float, factor: float) -> None:
+    """1.5 times stronger a hundred times as fast, in the middle of both by logarithm 1.25 times."""
+    slow, whole = (Springs.of(with_vertical(*rates)) for rates in ((1e-5,), (1e-5, 1e-3)))
+    model, own = (MacroModel.from_springs(each) for each in (whole.at_rate(rate), slow.at_rate(1e-5)))
+    for sign, end in ((1.0, 0.9e-2), (-1.0, -0.9e-2)):
+        w = own.vertical.rest[0] + np.array([0.2, 1.0]) * end
+        there, here = (each.vertical.reactions(w)[-1] - REST for each in (model, own))
+        np.testing.assert_allclose(there, factor * here, rtol=0.02)  # the stiffness at rest is that of the slow ones
+        assert model.vertical.branch(sign).rate == pytest.approx(rate)
+    answers = predict_batch(whole.at_rate(rate), H=1e5, arm=2.0, V=np.array([REST, 1.2 * REST, -0.1 * REST]))
+    assert not answers["off_rate"].any()
+    assert "vertical springs, w and the largest V" not in str(answers.attrs["remarks"])
+    paths = {name for name in whole.paths if name.startswith("down")}
+    assert paths == {"down", "down_rate_1"} and len(whole.at_rate(rate).vertical) == 2
+    fast = MacroModel.from_springs(whole, "full", "slide1").vertical  # of one path, which has a rate
+    assert fast.path == "down_rate_1, up_rate_1"
+
+
 def test_a_step_at_its_rate_keeps_the_mark_of_its_vertical_load() -> None:
     springs = Springs.of(with_vertical(1e-5)).at_rate(1e-3)
     motions, loads = np.array([[1e-3, 0.0], [2e-3, 0.0]]), np.array([REST, 1.05 * REST])
