@@ -155,7 +155,7 @@ def _vertical(run: Run) -> str:
     share = f", {100.0 * used:.3g} % used" if math.isfinite(used) else ""
     sets = [f"{1e-6 * each.V:.4g}" for each in springs.load_sets]
     at = f"; lateral springs at V {', '.join(sets)} MN" if len(sets) > 1 else ""
-    return f"V {1e-6 * rest:.4g} MN at rest{share}; largest known{'; '.join(known)}{at}" if known else ""
+    return f"V {1e-6 * rest:.4g} MN at rest{share}; largest known{';'.join(known)}{at}" if known else ""
 
 
 def _largest_vertical(model: "MacroModel") -> str:
