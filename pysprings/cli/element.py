@@ -122,7 +122,7 @@ def _layer(scene: Scene, name: str | None, depth: float | None) -> Stratum:
 
 def _stresses(given: list[str] | None) -> tuple[float, ...]:
     """Return the consolidation stresses in Pa."""
-    found = []
+    found: list[float] = []
     for text in given or ():
         value = quantities({"--stress": (text, "Pa", "100 kPa")})["--stress"]
         if value is None or value <= 0.0:

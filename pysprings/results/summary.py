@@ -143,10 +143,10 @@ def _vertical(run: Run) -> str:
     if run.springs is None:
         return ""
     springs = Springs.of(run.springs)
-    rates = springs.rate_sets
+    rates = [each.rate for each in springs.rate_sets]
+    several = [springs.at_rate(each) for each in rates] if len(rates) > 1 else [springs]
     try:
-        models = [MacroModel.from_springs(springs.at_rate(each.rate) if len(rates) > 1 else springs)
-                  for each in rates or (None,)]  # fmt: skip
+        models = [MacroModel.from_springs(each) for each in several]
     except PyspringsError:  # no lateral springs
         return ""
     known = dict.fromkeys(filter(None, map(_largest_vertical, models)))  # once where all have one vertical path
