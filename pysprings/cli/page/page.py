@@ -139,7 +139,7 @@ class Page:
                     _numbers(answer, source, values),
                     [html.P(text, className=kind) for kind, text in answers.remarks(answer)],
                     no_update if key == drawn else _facts(source, values), answers.command_of(values, source),
-                    _table(answer, source, table[0]),
+                    _table(answer, source, values, table[0]),
                 ],
                 "figures": [draw(answer) for draw in GRAPHS.values()],
                 "drawn": no_update if key == drawn else key,
@@ -195,7 +195,7 @@ def _facts(source: Source, values: Values) -> Any:
     return html.Table(html.Tbody([html.Tr([html.Th(name, scope="row"), html.Td(text)]) for name, text in rows]))
 
 
-def _table(answer: answers.Answer, source: Source, name: str | None) -> Any:
+def _table(answer: answers.Answer, source: Source, values: Values, name: str | None) -> Any:
     """Return the answers to load cases, as `design` prints them, with its command."""
     from pysprings.results.report import load_cases
 
@@ -205,8 +205,8 @@ def _table(answer: answers.Answer, source: Source, name: str | None) -> Any:
     head = html.Thead(html.Tr([html.Th(each, scope="col") for each in shown.columns]))
     body = html.Tbody([html.Tr([html.Td(cell) for cell in row]) for row in shown.rows])
     more = f" (the first {MOST_ROWS} are shown)" if len(answer.cases) > MOST_ROWS else ""
-    place = str(source.place) if isinstance(source, RunSource) else "springs.nc"
-    command = html.Code(command_line(["design", place, name or ""]))
+    springs = source.options(values) if isinstance(source, RunSource) else ["springs.nc"]
+    command = html.Code(command_line(["design", *springs, name or ""]))
     of_file = "" if isinstance(source, RunSource) else ", with springs.nc of the download"
     closing = html.P(f"{load_cases.closing(answer.cases)}{more}")
     notes = [html.P(f"note: {text}") for text in answer.cases.attrs["notes"]]

@@ -104,6 +104,23 @@ def test_springs_of_several_rates_have_an_input_of_the_rate(tmp_path: Path, rate
     assert "several rates" in (Asker(source).answer(blank).refusal or "")
 
 
+def test_the_command_of_load_cases_has_the_rate_of_the_page(tmp_path: Path) -> None:
+    pytest.importorskip("dash")
+    from pysprings.cli.page.page import _table
+
+    source, file = RunSource.of(save_springs(with_vertical(1e-5), tmp_path / "springs.nc")), tmp_path / "cases.csv"
+    file.write_text(CASES, encoding="utf-8")
+    values = start(source, H=0.1, rate=0.1)
+    answer = Asker(source).answer(values, (file.name, f"data:,{base64.b64encode(CASES.encode()).decode()}"))
+    *_, closing = _table(answer, source, values, str(file))
+    shown = closing.children[-1].children
+    done = command(*shlex.split(shown)[1:], "--json")
+    assert done.code == 0, done.err
+    assert isinstance(answer.cases, pd.DataFrame)
+    there = [case["rotation_rad"] for case in json.loads(done.out)["cases"]]
+    np.testing.assert_allclose(answer.cases["rotation_rad"], there, rtol=1e-9)
+
+
 @pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
 def test_the_command_of_an_atlas_gives_the_same_answer_as_inputs_change(clay: AtlasSource) -> None:
     asker = Asker(clay)
@@ -281,7 +298,8 @@ def test_load_cases_have_the_notes_of_design_and_a_run_that_did_not_end_is_named
 
     source = AtlasSource.of("sand")
     table = ("cases.csv", f"data:,{base64.b64encode(CASES.encode()).decode()}")
-    shown = str(_table(Asker(source).answer(start(source, H=0.1), table), source, "cases.csv"))
+    values = start(source, H=0.1)
+    shown = str(_table(Asker(source).answer(values, table), source, values, "cases.csv"))
     assert "note: springs of the atlas sand (88 full models)" in shown
     folder = Path(shutil.copytree(run_folder, tmp_path / "run"))
     assert "run" not in dict(RunSource.of(folder).facts({}))
