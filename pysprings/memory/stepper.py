@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pysprings.core.arguments import check_numbers
+from pysprings.core.arguments import check_arrays, check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import loads_in_words
@@ -101,13 +101,16 @@ class MemoryStepper:
         drains: see `reactions`.
 
         Raises BeyondSprings: the elements do not carry the load.
-        Raises UserInputError: neither, or both, are given.
+        Raises UserInputError: neither, or both, are given, or no two numbers.
         """
         if (motion is None) == (load is None):
             raise refused("motion", "give a motion or a load")
         checked_step(V, duration)
         control: Control = "load" if motion is None else "state"
+        check_arrays(motion=motion, load=load)
         model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
+        if aim.shape != (1, 2):
+            raise refused("load" if motion is None else "motion", "give two numbers: u and rotation, or H and M")
         drive, aims = model.equations(control, aim, 0.0)
         start = self.load / model.to_motion if motion is None else self.motion * model.to_motion
         way, state = np.concatenate([start[None], aims]), self.state.copy()

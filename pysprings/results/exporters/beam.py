@@ -21,6 +21,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core import variables
+from pysprings.core.arguments import check_arrays
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import HELD_BACK
@@ -313,6 +314,9 @@ def beam(springs: Springs | xr.DataTree, depths: Sequence[float] | None = None, 
 
     Raises UserInputError: depths or options that do not fit, springs without both paths.
     """
+    check_arrays(depths=depths)
+    if depths is not None and (np.ndim(depths) != 1 or not len(depths)):
+        raise refused("depths", f"give two depths or more, in one row, not the shape {np.shape(depths)}")
     tree = springs.tree if isinstance(springs, Springs) else springs
     given = "" if depths is None else ", ".join(f"{depth:.12g} m" for depth in depths)
     head, frame = beam_tables(Source(tree), read_options(BEAM, {"depths": given} | options))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.storage import read_tree, write_tree
@@ -113,6 +114,7 @@ class Atlas:
 
         Short names of the family stand for keys. What is covered in proportion follows, where it is not given.
         """
+        check_numbers(D=D, L=L)
         given = [self.named(change) for change in changes]
         sizes = {"outer_diameter": D, "skirt_length": L}
         given += [Change(("caisson", key), f"{value:.12g} m") for key, value in sizes.items() if value is not None]

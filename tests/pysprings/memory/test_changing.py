@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pysprings.core.errors import BeyondSprings
+from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.core.path_kinds import PARTS
 from pysprings.macro.cycles import follow_path, reaction_errors
 from pysprings.macro.fan import FanTable
@@ -275,6 +275,12 @@ def test_a_stepper_follows_v_as_a_sequence_does() -> None:
     assert abs(found[w] - rows[w, -1]) < 0.02 * np.ptp(rows[w])
     stepper.advance(motion=tuple(WAY[-1]), V=3.0 * REST)
     assert stepper.marks.off_load is True
+
+
+@pytest.mark.parametrize("step", [{"motion": (1e-3,)}, {"motion": (np.nan, 0.0)}, {"load": (1e5, 0.0, 0.0)}])
+def test_a_step_of_other_than_two_numbers_is_refused(step) -> None:
+    with pytest.raises(UserInputError, match=r"give two numbers|not a finite number"):
+        MemoryStepper(model()).advance(**step)
 
 
 def test_the_tangent_of_a_step_on_which_v_changes_is_its_derivative() -> None:

@@ -300,6 +300,9 @@ def test_the_curves_as_arrays_are_those_of_the_table() -> None:
     assert len(pysprings.beam(tree, points=7)["point"]) == 7
     with pytest.raises(UserInputError, match="not on the skirt"):
         pysprings.beam(tree, [0.5, 9.0])
+    for depths in ([], 2.0, "0.5, 1.5 m"):
+        with pytest.raises(UserInputError, match=r"depths: (give two depths or more|.*is a text)"):
+            pysprings.beam(tree, depths)
 
 
 def test_the_stated_error_is_that_of_paths_at_the_v_of_the_table() -> None:

@@ -149,6 +149,11 @@ def test_w_at_rest_is_that_of_the_weight_of_the_scene(atlas, ground, V, known):
     assert float(pysprings.predict(made, H=0.0)["w"]) == pytest.approx(known, rel=0.16)
 
 
+def test_a_size_that_is_a_text_is_refused(atlas) -> None:
+    with pytest.raises(UserInputError, match=r"D: .* is a text: give a number in SI units"):
+        atlas.scene(D="9 m", L=6.0)
+
+
 def test_an_answer_has_the_values_that_are_beyond_their_common_range(atlas):
     asked = {su: pysprings.predict(springs(atlas, 9.0, 6.0, f"su={su}"), H=1e5) for su in ("12 kPa", "12 MPa")}
     assert len(asked["12 kPa"].attrs["remarks"]) == 1
