@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
@@ -96,6 +97,10 @@ class Springs:
         """
         if isinstance(source, Springs):
             return source
+        given: Any = source
+        if not isinstance(given, xr.DataTree):
+            words = f"a {type(source).__name__} holds none: open them first (`open_springs`, `open_table`)"
+            raise refused("springs", words)
         if "schema" in source.attrs:  # tables have none
             check_schema(source)
         root = source.to_dataset(inherit=False)
@@ -297,8 +302,9 @@ class Springs:
         nearest set answers.
 
         Raises UserInputError: the springs do not depend on a rate, or not in this range, or two sets have no path in
-        common.
+        common; no finite number.
         """
+        check_numbers(V=V)
         return (self if rate is None else self.at_rate(rate)).at_load(self.rest_load if V is None else V)
 
     def at_rate(self, rate: float) -> Springs:

@@ -18,7 +18,16 @@ from pysprings.core.storage import write_tree
 from pysprings.macro.answer import trace
 from pysprings.macro.batch import predict_batch
 from pysprings.macro.curve_table import pchip_slopes
-from pysprings.macro.predict import MacroModel, MacroWarning, PredictionNotConverged, curve, impose, predict, sequence
+from pysprings.macro.predict import (
+    MacroModel,
+    MacroWarning,
+    PredictionNotConverged,
+    curve,
+    impose,
+    model_of,
+    predict,
+    sequence,
+)
 from pysprings.macro.stiffness import stiffness, stiffness_six
 from tests.support.closed_forms import (
     DEPTH,
@@ -419,6 +428,8 @@ def test_bad_arguments_are_refused(arguments, key):
             "dimensions or coordinates differ from those of H",
         ),
         (lambda springs: stiffness(springs, H="1 MN"), "H", "is a text"),
+        (lambda springs: model_of(springs, V=np.nan), "V", "not a finite number"),
+        (lambda springs: predict("springs.nc", H=1e5), "springs", "a str holds none: open them first"),
         (lambda springs: stiffness(springs, H=1e5, u=1e-3), "u", "give a load or a motion"),
         (lambda springs: stiffness(springs, u="1 mm"), "u", "is a text"),
         (lambda springs: stiffness(springs, V="2 MN"), "V", "is a text"),
