@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.comparison import compare
 from pysprings.results.plots import save_all
 from pysprings.results.report.page import write_report
@@ -82,3 +83,15 @@ def test_the_widest_table_is_whole_on_paper(report_of_a_fan: Path, tmp_path: Pat
     right = [float(each) for each in re.findall(r'<word [^>]*xMax="([\d.]+)"', box)]
     assert len(right) > 500
     assert max(right) < width - 28.0  # pt: inside the margin of 14 mm
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="no pdftotext")
+def test_values_of_inputs_are_not_cut_beside_long_keys(tmp_path: Path) -> None:
+    """A default whose key fills the column leaves room for a number and a word in one line."""
+    values = {"interface.transversal_conductivity": "1e-08 m/(Pa s)", "interface.normal_stiffness": "2.925e+09 N/m^3",
+              "interface.opening": "vented in part"}  # fmt: skip
+    run = RunRecord(defaulted=[{"key": key, "value": value, "unit": ""} for key, value in values.items()])
+    page = write_report(tmp_path, synthetic.make_result(PATHS), synthetic.make_springs(PATHS), run=run)
+    file = printed(page, tmp_path)
+    words = subprocess.run(["pdftotext", str(file), "-"], capture_output=True, text=True, check=True).stdout.split()
+    assert {"1e-08", "2.925e+09", "N/m^3", "vented"} <= set(words)
