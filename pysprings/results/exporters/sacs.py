@@ -38,6 +38,7 @@ from pysprings.springs.springs import Springs
 
 WIDTH = 6  # characters of a number
 PAIRS = 5  # a line
+HIGHEST = 900.0  # m, of a pile head
 MOST = 30  # points of a curve: more need a number of points on the header that was not seen in use
 _NUMBER = re.compile(r"([-+]?\d*\.\d*)([-+]\d+)?")
 
@@ -300,12 +301,15 @@ def write(source: Source, target: Target, options: Options) -> Exported:
     points = int(options["points"])
     if not 3 <= points <= MOST:
         raise refused("--option points", f"{points} is not from 3 to {MOST}")
+    if not 0.0 <= (head := float(options["head"] or 0.0)) <= HIGHEST:
+        room = f"from 0 to {HIGHEST:g} m above mudline, from where depths count down in six columns"
+        raise refused("--option head", f"{head:g} m is not {room}")
     springs, load = springs_at(source, options)
     kind = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
     made, strata, length, about = _made(springs, kind, load)
     axial, words = _axial_cards(springs, made, options, length)
     lateral, errors = _lateral_cards(springs, made, options, strata, length)
     lost = [f"springs '{made.model.spring_set}'", *made.lost, about, *_LOST, no_heave(springs), *words, *errors]
-    head = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS, at=springs), *lost]
-    text = "\n".join([*commented("*", head, 76), *axial, *lateral]) + "\n"
+    above = [*header(source, "SACS PSI soil cards (not run in SACS)", _FRAME, _UNITS, at=springs), *lost]
+    text = "\n".join([*commented("*", above, 76), *axial, *lateral]) + "\n"
     return Exported([target.write("caisson_sacs.inp", text)], lost)

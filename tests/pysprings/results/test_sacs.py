@@ -177,6 +177,9 @@ def test_what_the_cards_cannot_hold_is_named_with_its_error(source: Source, tmp_
     assert min(tops) == 2.0  # below the pile head
     with pytest.raises(UserInputError, match="31 is not from 3 to 30"):
         export(source, "sacs", tmp_path, points=31)
+    for head in (-2.0, 20_000.0):
+        with pytest.raises(UserInputError, match=r"head: .* m is not from 0 to 900 m above mudline"):
+            export(source, "sacs", tmp_path, head=head)
 
 
 def test_without_vertical_paths_there_are_no_axial_cards(tmp_path: Path) -> None:
