@@ -235,7 +235,7 @@ def rate_words(rate: float | None, vertical: VerticalTable | None) -> list[str]:
         return []
     paces = {each.rate for each in (vertical.branches if vertical else ()) if each.rate}
     others = dict.fromkeys(number(1e3 * pace) for pace in sorted(paces) if not is_rate(pace, rate))
-    apart = f"vertical springs, w and the largest V are those of {', '.join(others)} mm/s (of w)"
+    apart = f"vertical springs, what they add to w, and the largest V are those of {', '.join(others)} mm/s (of w)"
     return [AT_RATE.format(1e3 * rate), *[apart] * bool(others)]
 
 

@@ -215,7 +215,7 @@ def test_a_vertical_load_on_springs_of_another_rate_is_marked(rate: float, marks
     answers = predict_batch(springs, H=1e5, arm=2.0, V=np.array([REST, 1.2 * REST, -0.1 * REST]))
     assert answers["off_rate"].values.tolist() == marks
     assert predict_batch(springs, H=1e5, arm=2.0)["off_rate"].values.tolist() == [0]
-    words = [text for text in answers.attrs["remarks"] if "vertical springs, w and the largest V are those of" in text]
+    words = [text for text in answers.attrs["remarks"] if "what they add to w, and the largest V are those of" in text]
     assert [text.split("those of ")[1] for text in words] == ["0.01 mm/s (of w)"] * (rate > 1e-5)
     one = with_vertical_use(MacroModel.from_springs(springs), answers.rename(case="step"))
     assert one.attrs["capacity_V_from"].startswith("path 'up' (0.01 mm/s), at")
@@ -233,7 +233,7 @@ def test_vertical_springs_are_those_of_the_rate_or_between_two(rate: float, fact
         assert model.vertical.branch(sign).rate == pytest.approx(rate)
     answers = predict_batch(whole.at_rate(rate), H=1e5, arm=2.0, V=np.array([REST, 1.2 * REST, -0.1 * REST]))
     assert not answers["off_rate"].any()
-    assert "vertical springs, w and the largest V" not in str(answers.attrs["remarks"])
+    assert "what they add to w, and the largest V" not in str(answers.attrs["remarks"])
     paths = {name for name in whole.paths if name.startswith("down")}
     assert paths == {"down", "down_rate_1"} and len(whole.at_rate(rate).vertical) == 2
     fast = MacroModel.from_springs(whole, "full", "slide1").vertical  # of one path, which has a rate
