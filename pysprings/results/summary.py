@@ -144,8 +144,8 @@ def _vertical(run: Run) -> str:
         return ""
     springs = Springs.of(run.springs)
     rates = [each.rate for each in springs.rate_sets]
-    several = [springs.at_rate(each) for each in rates] if len(rates) > 1 else [springs]
     try:
+        several = [springs.at_rate(each) for each in rates] if len(rates) > 1 else [springs]
         models = [MacroModel.from_springs(each) for each in several]
     except PyspringsError:  # no lateral springs
         return ""
