@@ -227,7 +227,7 @@ def build_vertical(springs: Springs, rate: float | None = None) -> VerticalTable
     paths, sets = springs.vertical, rate_sets(springs.vertical)
     if not paths:
         return None
-    if len(sets) > 1:
+    if len(sets) > 1 and springs.rate_sets:
         own = sets[0] if rate is None else min(sets, key=lambda each: abs(math.log(each.rate / rate)))
         paths = tuple(path for path in paths if path.name in own.paths)
     first = min(paths, key=lambda path: abs(path.load - springs.rest_load))
