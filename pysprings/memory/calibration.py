@@ -20,6 +20,7 @@ from pysprings.memory.shares import Sample, Shares, at_rest, shares_of, stiffnes
 
 STIFFNESS = 0.1  # weight of the initial stiffness beside a ray
 SUBSTEP = 0.01  # largest step of the motion over the reach
+AT_ONCE = 200  # columns that join a fit together
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
 # Numbers of the state of an element that moves in two planes (a plate: gap and frictional ones; a reversible one keeps
 # none), and of all elements: SoilDyn of OpenFAST keeps 1,200
@@ -124,14 +125,38 @@ def fitted(choice: Offered, known: Sequence[Known], stiffness: Array, largest: f
 
     known: ways with their loads, in the plane of x or in space. largest: step of a motion [m].
     """
+    A, b = _system(choice, known, stiffness, largest)
+    factors, left = nonnegative(A, b)
+    rows, chosen = _merged(choice, factors, FORGET * float(np.trace(stiffness)))
+    return rows, left, chosen
+
+
+def nonnegative(A: Array, b: Array) -> tuple[Array, float]:
+    """Return the factors x >= 0 (n,) with the least |A x - b|, and that norm over |b|; columns of A (m, n) get norm 1.
+
+    Lawson and Hanson (1974, chapter 23) on few columns at a time: those that x has, and those of the largest gradient
+    A^T (b - A x) beside them, until no column has one. A hundred of ten thousand columns are in the answer.
+    """
     from scipy.optimize import nnls  # a prediction by a fan does without SciPy
 
-    A, b = _system(choice, known, stiffness, largest)
     size = np.linalg.norm(A, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
-    rows, chosen = _merged(choice, factors / size, FORGET * float(np.trace(stiffness)))
-    return rows, float(left / np.linalg.norm(b)), chosen
+    size[size == 0.0] = 1.0
+    A /= size
+    x, left, before = np.zeros(A.shape[1]), float(np.linalg.norm(b)), np.inf
+    none = 10.0 * max(A.shape) * np.finfo(float).eps * np.sqrt(len(b))  # rounding of a gradient, as `nnls` has it
+    while left < before:
+        used = np.flatnonzero(x)
+        gradient = A.T @ (b - A[:, used] @ x[used])
+        gradient[used] = 0.0
+        steepest = np.argsort(-gradient)[:AT_ONCE]
+        tried = np.concatenate([used, steepest[gradient[steepest] > none]])
+        if tried.size == used.size:
+            break
+        before = left
+        some, left = nnls(A[:, tried], b, maxiter=20 * tried.size)
+        x[:] = 0.0
+        x[tried] = some
+    return x / size, float(left / np.linalg.norm(b))
 
 
 def numbers_of(rows: Array) -> int:

@@ -27,6 +27,7 @@ from pysprings.memory.calibration import (
     ElementSet,
     SpaceElements,
     fitted,
+    nonnegative,
     strongest,
     way_of,
 )
@@ -190,8 +191,6 @@ def torsion_elements(twists: Sequence[SpaceWay], springs: Springs, reach: float)
 
     Their sum at rest is the torsional stiffness of the full model, where it is known. reach [m]: that of the rays.
     """
-    from scipy.optimize import nnls  # a prediction by a fan does without SciPy
-
     if not twists:
         return np.zeros((0, SPACE_COLUMNS)), 0.0
     rows = _twisting(reach)
@@ -208,13 +207,12 @@ def torsion_elements(twists: Sequence[SpaceWay], springs: Springs, reach: float)
         blocks.append(np.full((1, len(rows)), STIFFNESS * (0.5 * springs.diameter) ** 2 / float(known)))
         right.append(np.array([STIFFNESS]))
     A, b = np.concatenate(blocks), np.concatenate(right)
-    size = np.linalg.norm(A, axis=0)
-    factors, left = nnls(A / size, b, maxiter=20 * A.shape[1])
-    rows[:, 4] *= factors / size
+    factors, left = nonnegative(A, b)
+    rows[:, 4] *= factors
     keeps = rows[:, 4] > FORGET * rows[:, 4].sum()
     found = np.zeros((int(keeps.sum()), SPACE_COLUMNS))
     found[:, :COLUMNS], found[:, 12] = rows[keeps], 1.0
-    return found, float(left / np.linalg.norm(b))
+    return found, left
 
 
 def _twisting(reach: float) -> Array:

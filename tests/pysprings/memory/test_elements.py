@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import nnls
 
 from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.answer import PredictionNotConverged, trace
@@ -20,7 +21,7 @@ from pysprings.macro.predict import MacroWarning, predict, sequence
 from pysprings.macro.stiffness import stiffness
 from pysprings.memory import build
 from pysprings.memory.build import build_memory, with_memory
-from pysprings.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, numbers_of
+from pysprings.memory.calibration import MOST_NUMBERS, ElementSet, calibrate, nonnegative, numbers_of
 from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, REVERSIBLE, STATES, advance
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.shares import at_rest, samples
@@ -626,3 +627,18 @@ def test_w_has_no_error_on_a_path_whose_vertical_load_changes() -> None:
     plain, changed = found
     assert np.isfinite([plain["w_error_pct"], changed["p_error_pct"]]).all()
     assert np.isnan([changed["w_error_pct"], changed["t_error_pct"], changed["V_tip_error_pct"]]).all()
+
+
+@pytest.mark.parametrize("shape", [(60, 900), (700, 300)])
+def test_the_fit_by_few_columns_at_a_time_is_that_by_all(shape: tuple[int, int]) -> None:
+    """Beside Lawson and Hanson on all columns; columns alike, as elements of near sizes are, and one of zeros."""
+    random = np.random.default_rng(2)
+    A = np.abs(random.standard_normal((shape[0], 12))) @ np.abs(random.standard_normal((12, shape[1])))
+    A += 0.02 * random.standard_normal(shape)
+    A[:, 5] = 0.0
+    b = A @ np.maximum(random.standard_normal(shape[1]), 0.0) + random.standard_normal(shape[0])
+    expected, left = nnls(A, b)
+    found, share = nonnegative(A.copy(), b)
+    assert share == pytest.approx(left / np.linalg.norm(b), rel=1e-9) and (found >= 0.0).all()
+    np.testing.assert_allclose(A @ found, A @ expected, atol=1e-8 * np.abs(b).max())
+    assert nonnegative(-np.abs(A), np.abs(b))[0].max() == 0.0  # nothing helps
