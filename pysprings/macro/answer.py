@@ -227,7 +227,7 @@ def origin_of(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     return {name: attrs[name] for name in _KEPT if name in attrs}
 
 
-ASK = "--extrapolate (extrapolate=True) answers beyond it, marked"
+ASK = "predict --extrapolate (extrapolate=True) answers beyond it, marked"
 
 
 class MacroWarning(UserWarning):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a table of the report declares and reads; tables of what a run was given: keys of the scene, and the mesh."""
 
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -75,8 +76,13 @@ def input_tables(scene_toml: str) -> list[Table]:
     ]
 
 
+_LONG = re.compile(r"(?<![\w.+-])-?\d+\.\d{7,}(?:e[+-]?\d+)?(?![\w.])")  # as of an angle in another unit
+
+
 def _value(value: Any) -> str:
-    """Return a value of the scene as text; a value by depth as its parts."""
+    """Return a value of the scene as text, numbers of many digits with six; a value by depth as its parts."""
+    if isinstance(value, str):
+        return _LONG.sub(lambda found: number(float(found.group()), 6), value)
     if isinstance(value, Mapping):
         return ", ".join(f"{key} {number(part, 6)}" for key, part in value.items())
     return number(value, 6)

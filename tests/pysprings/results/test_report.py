@@ -201,12 +201,14 @@ def test_inputs_show_every_key_with_its_unit_defaults_included(result: xr.DataTr
         for table in inputs.input_tables(
             tiny.grounded('title = "t"\n[soil]\nyoung_modulus = "150 MPa"\n')
             + '[[path]]\nname = "push"\nkind = "pull"\nlateral_displacement = "3 mm"\n'
+            + '[design]\nlateral_force = "1 MN"\ntilt = "0.028647889756541162 deg"\n'  # of 0.5 mrad
         )
     }
     assert tables["scene"] == {"title": "t"}
     assert tables["soil"]["young_modulus"] == "150 MPa"
     assert tables["caisson"]["outer_diameter"] == "7.8 m"
     assert tables["path 1"]["lateral_displacement"] == "3 mm"
+    assert tables["design"]["tilt"] == "0.0286479 deg"
     assert inputs.input_tables("not = [toml") == []
 
 
