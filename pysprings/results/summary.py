@@ -354,9 +354,11 @@ def _held_back(run: Run) -> dict[str, float] | None:
 
 
 def _on_held_back(run: Run) -> pd.DataFrame | None:
-    """Return the rows of the comparison that show what the springs of a run are worth."""
+    """Return the rows of the comparison that show what the springs of a run are worth in proportional loading."""
     frame = run.comparison
     if frame is None or frame.empty:
         return None
     own = frame[(frame["role"] == HELD_BACK) & (frame["springs"] == ("fan" if _is_fan(run) else "full"))]
-    return own[[PATH_KINDS[str(kind)].free_head for kind in own["kind"]]]
+    turning = {name for name, path in paths_of(run.result).items() if path.turns_back}  # or rest
+    free = {name for name, kind in PATH_KINDS.items() if kind.free_head}
+    return own[own["kind"].isin(free) & ~own["path"].isin(turning)]
