@@ -271,7 +271,7 @@ def _springs(run: Run) -> str:
     worst, checked = _held_back(run), _on_held_back(run)
     if worst is None or checked is None:
         if run.comparison is not None:
-            return "not checked: no path in one plane with a free head is held back"
+            return "not checked: no path of one direction with a free head is held back"
         return "none: too little converged" if run.scene.load_paths else "none: there is no path in one plane"
     errors = ", ".join(f"{name} {percent(value)}" for name, value in worst.items() if name not in _AT_LOAD)
     moved = f"; of u at equal load: {_of_u(worst)}" if _U in worst else ""
