@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.peers import problem
 from tests.verification import clay_across
-from tests.verification.across import ALONG, in_bricks, in_series
+from tests.verification.across import ALONG, in_bricks, in_series, problem
 
 
 @pytest.mark.slow
