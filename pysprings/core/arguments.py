@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Checks of the numbers that Python callers pass in."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,13 @@ def too_early(time: Array, rows: Array) -> Marks:
     found: Marks = steps <= 0.0
     found[:1] &= rows[:1].any() or steps[:1] < 0.0
     return found
+
+
+def check_columns(targets: Any, names: Sequence[str]) -> None:
+    """Raise UserInputError where a table of pandas has columns of these names ("H", "H [N]") at other places."""
+    own = [str(each).partition(" ")[0] for each in getattr(targets, "columns", ())]
+    if set(own) & set(names) and own[: len(names)] != list(names):
+        _raise({"targets": f"numbers are taken by place: give the columns {', '.join(names)}, not {', '.join(own)}"})
 
 
 def check_rows(rows: Array, V: Any, time: Any) -> None:

@@ -40,7 +40,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 import xarray as xr
 
-from pysprings.core.arguments import check_arrays, check_numbers, check_rows
+from pysprings.core.arguments import check_arrays, check_columns, check_numbers, check_rows
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.macro.answer import Care, MacroWarning, PredictionNotConverged, raise_or_warn, trace
@@ -187,6 +187,9 @@ def curve(
     return way_to_motion(springs, u=u_max, arm=arm, V=V, n=_points(n) - 1, **asking)
 
 
+_COLUMNS = {"load": ("H", "M"), "state": ("u", "rotation"), "displacement": ("u",), "rotation": ("rotation",)}
+
+
 def sequence(
     springs: AnySprings | MacroModel,
     targets: Array,
@@ -210,6 +213,7 @@ def sequence(
     """
     check_numbers(arm=arm)
     check_arrays(targets=targets, V=V, time=time)
+    check_columns(targets, _COLUMNS.get(control, ()))
     rows = np.asarray(targets, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
         raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")

@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.core import variables
-from pysprings.core.arguments import check_arrays, check_rows
+from pysprings.core.arguments import check_arrays, check_columns, check_rows
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.path_kinds import HELD_BACK, TWIST
@@ -170,6 +170,7 @@ def sequence_in_space(
         The answer is beyond their range (not with `extrapolate`).
     """
     check_arrays(targets=targets, V=V, time=time)
+    check_columns(targets, SPACE_LOADS if control == "load" else SPACE_TURNS)
     rows = np.asarray(targets, dtype=float)
     check_rows(rows, V, time)
     down = None if V is None else np.broadcast_to(np.asarray(V, dtype=float), len(rows)).copy()

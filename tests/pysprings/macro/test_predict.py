@@ -427,6 +427,16 @@ def test_bad_arguments_are_refused(arguments, key):
             "arm",
             "dimensions or coordinates differ from those of H",
         ),
+        (
+            lambda springs: sequence(springs, pd.DataFrame({"M [N m]": [2e5], "H [N]": [1e5]})),
+            "targets",
+            "give the columns H, M, not M, H",
+        ),
+        (
+            lambda springs: sequence(springs, pd.DataFrame({"u": [0.0], "rotation": [1e-4]}), control="rotation"),
+            "targets",
+            "give the columns rotation, not u, rotation",
+        ),
         (lambda springs: stiffness(springs, H="1 MN"), "H", "is a text"),
         (lambda springs: model_of(springs, V=np.nan), "V", "not a finite number"),
         (lambda springs: predict("springs.nc", H=1e5), "springs", "a str holds none: open them first"),
@@ -455,6 +465,8 @@ def test_numbers_of_numpy_and_whole_numbers_are_numbers():
     of_xarray = xr.DataArray(1e5, attrs={"units": "N"})
     for force in (100_000, np.float32(1e5), np.int64(100_000), np.array(1e5), of_xarray):
         assert float(predict(springs, H=force)["u"]) == expected
+    table = pd.DataFrame({"H [N]": [1e5], "M [N m]": [0.0]})
+    assert float(sequence(springs, table)["u"][-1]) == pytest.approx(expected)
     answer = predict(springs, H=of_xarray)
     assert float(impose(springs, u=answer["u"])["H"]) == pytest.approx(1e5)
 
