@@ -238,13 +238,15 @@ def _under(path: xr.Dataset, V: float) -> str:
 def _range(run: Run) -> str:
     from pysprings.springs.springs import Springs
 
-    calibrated = [each for _, each in _lateral(run) if each.attrs.get("role") == "calibration"]
+    calibrated = {name: each for name, each in _lateral(run) if each.attrs.get("role") == "calibration"}
     if not calibrated:
         return "no lateral path was calibrated"
-    u, turn = (max(float(np.abs(each[name]).max()) for each in calibrated) for name in ("u", "rotation"))
-    (u,), (turn,) = significant((u,), (turn,), run.scene.caisson.skirt_length)
+    first, *others = calibrated
     fan = _is_fan(run)
-    kind = "load heights of its rays" if fan else f"the load height of path {_lateral(run)[0][0]} only"
+    used = [calibrated[name] for name in (first, *(others if fan else ()))]
+    u, turn = (max(float(np.abs(each[name]).max()) for each in used) for name in ("u", "rotation"))
+    (u,), (turn,) = significant((u,), (turn,), run.scene.caisson.skirt_length)
+    kind = "load heights of its rays" if fan else f"the load height of path {first} only"
     loading = "monotonic loading" + ", but for springs with memory" * any(
         path.remembers for path in paths_of(run.result).values()
     )

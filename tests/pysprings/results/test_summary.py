@@ -10,13 +10,14 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import pysprings
 from pysprings.core.storage import read_tree
 from pysprings.full_model.run_record import LimitLoad, RunRecord, significant
 from pysprings.results.exporters.header import range_of_path
 from pysprings.results.folder import run_to_folder
-from pysprings.results.summary import _on_held_back, _stiffness, _vertical, summary
+from pysprings.results.summary import _on_held_back, _range, _stiffness, _vertical, summary
 from pysprings.springs.path import SpringPath
 from tests.support import tiny, winkler
 from tests.support.fans import fan_springs, potential
@@ -200,6 +201,17 @@ def test_vertical_loads_stand_in_the_summary() -> None:
         assert [float(rate) for rate, _ in pushes] == list(rates)
         slow, fast = (float(pushes[k][1]) - 2.0 for k in (0, -1))
         assert fast == pytest.approx(1.5 * slow if len(rates) > 1 else slow, rel=1e-3)
+
+
+def test_the_range_is_that_of_the_path_that_springs_are_made_from(folder: Path) -> None:
+    """Of two pulls without a fan the first that calibrates: not one held back before it, nor one that goes farther."""
+    tree = read_tree(folder / "full_model.nc")
+    pull = tree["paths/pull"].to_dataset(inherit=False)
+    groups = {"/": tree.to_dataset(inherit=False), "/paths/before": pull.assign_attrs(role="held-back")}
+    groups |= {"/paths/pull": pull, "/paths/farther": pull.assign(u=3.0 * pull["u"])}
+    run = SimpleNamespace(result=xr.DataTree.from_dict(groups), comparison=None, springs=None, scene=tiny.scene())
+    end = 1e3 * float(pull["u"].max())
+    assert _range(run).startswith(f"u up to {end:.3g} mm, ") and "the load height of path pull only" in _range(run)
 
 
 def test_what_springs_are_worth_is_not_judged_on_a_path_that_turns_back(folder: Path) -> None:
