@@ -5,7 +5,7 @@ from fe_engine.linear.backends import available_backends
 from fe_engine.solve.stepping import fewest_increments
 from pysprings.model.stages import imposed_motion, path_stages
 from pysprings.scene.model import Scene
-from pysprings.scene.sections import Path
+from pysprings.scene.sections import Path, Springs
 from pysprings.scene.soils import SOIL_LAWS
 
 # Drained, to 2.5 mm, CPU seconds with SuperLU and with Pardiso: `coarse` (4,631 unknowns) 11.9 and 4.1, `medium`
@@ -50,6 +50,8 @@ PICTURE_SECONDS = {"none": 0.0, "report": 3.0, "all": 10.0}  # of a run, by how 
 _SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 9.0e-7, 1.2
 _WHOLE = 2.7  # of an increment of the whole caisson beside one of its half, N 3 (2.2 to 3.1 for N 2 to 5)
 _SERIES_WATER, _SERIES_COARSER, _SERIES_RICHER, _RICHER_PATHS = 1.5, 0.35, 0.5, 4
+# Fits of springs with memory, before and after the estimate: of each vertical load and rate, and of those in space
+_FIT, _FIT_IN_SPACE = 2.0 * 7.0, 2.0 * 18.0
 # Of series an increment beyond lift-off takes this times a power of the unknowns as long as one before: on finer
 # sections stations of the inner wall flip more often, and sand localises.
 _SERIES_LIFT_OFF, _SERIES_LIFT_OFF_EXPONENT = 0.024, 0.5
@@ -94,12 +96,21 @@ def seconds(
     paths, pictures = sum(path_seconds(scene, unknowns, water)), PICTURE_SECONDS[scene.output.pictures]
     if scene.discretisation == "fourier":
         share = 1.0 if scene.ground.total_stress else min(1.0, _RICHER_PATHS / max(len(scene.load_paths), 1))
-        return pictures + _SERIES_START + (1.0 + _SERIES_COARSER + _SERIES_RICHER * share) * paths
+        runs = (1.0 + _SERIES_COARSER + _SERIES_RICHER * share) * paths
+        return pictures + _SERIES_START + runs + _fit_seconds(scene.springs)
     if uses_superlu(scene) if superlu is None else superlu:
         paths *= superlu_time(unknowns)
     elif superlu is None and linear_solver(scene) == "rslab":
         paths *= max(1.0, (unknowns / _UNKNOWNS) ** _RSLAB_EXPONENT)  # over the time with Pardiso
     return pictures + _START + (_SYMMETRIC if symmetric else 1.0) * paths
+
+
+def _fit_seconds(springs: Springs) -> float:
+    """Return the time of the fits of springs with memory, in s."""
+    if springs.reach is None or not springs.memory:
+        return 0.0
+    sets = (1 + len(springs.vertical_loads)) * max(1, len(springs.rates))
+    return _FIT * sets + _FIT_IN_SPACE * springs.directions
 
 
 def path_seconds(scene: Scene, unknowns: int, water: bool | None = None) -> list[float]:
