@@ -246,6 +246,8 @@ class _Files(Sink):
     def _write_results(self, computed: Computed) -> None:
         """Write full model, springs, and the tables that are made of them."""
         self._write_model(computed)
+        if self.has_springs:
+            self._made(computed.record, "springs.nc", self._store)
         if self.writing.springs_alone:
             return
         record, folder, source = computed.record, self.folder, self.source
@@ -261,6 +263,19 @@ class _Files(Sink):
         if "volume" in source.result.children:
             target = Target(folder / PARAVIEW, partial(note, folder))
             self._made(record, "paraview", lambda: export(source, "paraview", target))
+
+    def _store(self) -> None:
+        """Put into springs.nc what spring sets keep there: at the end, since it takes its time, of both meshes."""
+        given, result = self.source.springs, self.source.result
+        try:
+            whole = with_stored(given)
+        except UserInputError:  # too little converged
+            if result.attrs["status"] == "complete":
+                raise
+            return
+        if whole is not given:
+            self.source = Source(whole, result)
+            save_springs(whole, self.folder / "springs.nc")
 
     def _summarise(self, record: RunRecord) -> None:
         source = self.source
@@ -290,7 +305,7 @@ class _Files(Sink):
 def _springs(result: xr.DataTree) -> xr.DataTree | None:
     """Return the springs of a result; None when too little converged."""
     try:
-        return with_stored(extract_springs(result))
+        return extract_springs(result)
     except UserInputError:
         if result.attrs["status"] == "complete" and paths_of(result):
             raise

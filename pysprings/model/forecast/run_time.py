@@ -50,8 +50,7 @@ PICTURE_SECONDS = {"none": 0.0, "report": 3.0, "all": 10.0}  # of a run, by how 
 _SERIES_START, _SERIES_PER_UNKNOWN, _SERIES_EXPONENT = 1.0, 9.0e-7, 1.2
 _WHOLE = 2.7  # of an increment of the whole caisson beside one of its half, N 3 (2.2 to 3.1 for N 2 to 5)
 _SERIES_WATER, _SERIES_COARSER, _SERIES_RICHER, _RICHER_PATHS = 1.5, 0.35, 0.5, 4
-# Fits of springs with memory, before and after the estimate: of each vertical load and rate, and of those in space
-_FIT, _FIT_IN_SPACE = 2.0 * 7.0, 2.0 * 18.0
+_FIT, _FIT_IN_SPACE = 7.0, 18.0  # of springs with memory, of each vertical load and rate; of those in space
 # Of series an increment beyond lift-off takes this times a power of the unknowns as long as one before: on finer
 # sections stations of the inner wall flip more often, and sand localises.
 _SERIES_LIFT_OFF, _SERIES_LIFT_OFF_EXPONENT = 0.024, 0.5

@@ -202,6 +202,28 @@ def test_a_run_follows_each_path_with_the_macro_model_once(
     assert followed == ["pull"]
 
 
+def test_what_spring_sets_store_is_made_once_after_the_estimate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blank_pictures: None
+) -> None:
+    """It takes up to minutes; the file has springs before. An interrupt of it leaves them, and --resume makes it."""
+    seen: list[bool] = []
+
+    def stored(tree: xr.DataTree) -> xr.DataTree:
+        seen.append((tmp_path / "springs.nc").exists())
+        if len(seen) == 1:
+            raise KeyboardInterrupt
+        return xr.DataTree.from_dict({"/": tree.to_dataset(inherit=False).assign_attrs(kept="yes")} | {
+            each.path: each.to_dataset(inherit=False) for each in tree.subtree if each.path != "/"
+        })  # fmt: skip
+
+    monkeypatch.setattr(pysprings.results.folder, "with_stored", stored)
+    with pytest.raises(KeyboardInterrupt):
+        run_to_folder(tiny.scene(), tmp_path, estimate_error=True)
+    assert "kept" not in open_springs(tmp_path / "springs.nc").attrs and seen == [True]
+    run_to_folder(tiny.scene(), tmp_path, estimate_error=True, resume=True)
+    assert open_springs(tmp_path / "springs.nc").attrs["kept"] == "yes" and seen == [True, True]
+
+
 def test_force_leaves_nothing_of_an_earlier_run(tmp_path: Path, blank_pictures: None) -> None:
     out, old = tmp_path / "out", ["figures/old_gap_last.png", "figures/pull_newton.svg", "compare.csv", "report.html"]
     mine = ["notes.txt", "figures/photo.png"]
