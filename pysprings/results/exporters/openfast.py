@@ -6,6 +6,7 @@ Formats as OpenFAST 5.0.0 reads them (commit 2895884).
 
 from pathlib import Path
 
+from pysprings.core.errors import refused
 from pysprings.core.variables import known_torsion
 from pysprings.macro.fan import has_fan
 from pysprings.macro.model import MacroModel, spring_sets
@@ -53,16 +54,18 @@ def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[P
 
 
 def _place(options: Options) -> tuple[float, float, float]:
-    return float(options["x"] or 0.0), float(options["y"] or 0.0), float(options["z"] or 0.0)
+    if (z := float(options["z"] or 0.0)) > 0.0:
+        raise refused("--option z", f"{z:g} m is above still water, the mudline below it: such as -{z:g} m")
+    return float(options["x"] or 0.0), float(options["y"] or 0.0), z
 
 
 def write(source: Source, target: Target, options: Options) -> Exported:
     """Write matrices, and the spring file of the nonlinear foundation where there is a fan."""
-    found = matrix_of(source, options)
+    found, place = matrix_of(source, options), _place(options)
     head = [*header(source, f"OpenFAST foundation matrix: {found.name}", FRAME, UNITS), *found.lines]
     more, remarks = _nonlinear(source, target, options)  # the first: it may refuse the options
     files = [
         *write_subdyn(head, found.stiffness, target),
-        target.write("soildyn.dat", matrix_input([*head, FREE_BASE], found.stiffness, _place(options))),
+        target.write("soildyn.dat", matrix_input([*head, FREE_BASE], found.stiffness, place)),
     ]
     return Exported([*files, *more], [*found.lines, *remarks, FREE_BASE])

@@ -41,6 +41,12 @@ def folder(source: Source, tmp_path: Path) -> Path:
     return tmp_path
 
 
+def test_a_mudline_above_still_water_is_refused_before_anything_is_written(source: Source, tmp_path: Path) -> None:
+    with pytest.raises(UserInputError, match=r"30 m is above still water, the mudline below it: such as -30 m"):
+        export(source, "openfast", tmp_path / "out", z=30.0)
+    assert not list(tmp_path.rglob("*.dat"))
+
+
 def read_ssi(file: Path) -> dict[str, float]:
     """Values by label, as SubDyn reads them: comments left out, labels in any case."""
     lines = [line.split() for line in file.read_text().splitlines() if line[0] not in "!#%"]
