@@ -87,7 +87,7 @@ class MacroModel:
         chosen = given if path is not None else given.at(V=V)
         spring_set = choose_set(chosen, springs_kind, path)
         response = spring_set.build(chosen, path)
-        vertical = build_vertical(chosen, response.origin.rate)
+        vertical = build_vertical(chosen.answering(response.origin))  # of one path at its rate
         settled = 0.0 if vertical is None else vertical.lacking(*response.rest)
         ends = dict(given.ends) | dict(chosen.ends)  # a path between two loads ends with the shorter one
         attrs = {str(name): value for name, value in chosen.attrs.items()}

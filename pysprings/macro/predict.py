@@ -47,7 +47,7 @@ from pysprings.macro.answer import Care, MacroWarning, PredictionNotConverged, r
 from pysprings.macro.capacity import with_capacity
 from pysprings.macro.model import AnySprings, MacroModel
 from pysprings.macro.vertical_answer import with_vertical_use
-from pysprings.macro.ways import Control
+from pysprings.macro.ways import COLUMNS, Control
 
 __all__ = [
     "MacroModel", "MacroWarning", "PredictionNotConverged", "SpringChoice", "curve", "impose", "model_of", "predict",
@@ -187,9 +187,6 @@ def curve(
     return way_to_motion(springs, u=u_max, arm=arm, V=V, n=_points(n) - 1, **asking)
 
 
-_COLUMNS = {"load": ("H", "M"), "state": ("u", "rotation"), "displacement": ("u",), "rotation": ("rotation",)}
-
-
 def sequence(
     springs: AnySprings | MacroModel,
     targets: Array,
@@ -213,7 +210,7 @@ def sequence(
     """
     check_numbers(arm=arm)
     check_arrays(targets=targets, V=V, time=time)
-    check_columns(targets, _COLUMNS.get(control, ()))
+    check_columns(targets, COLUMNS.get(control, ()))
     rows = np.asarray(targets, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != 2 or not len(rows):
         raise refused("targets", f"must have the shape (n, 2), not {rows.shape}")

@@ -16,7 +16,6 @@ laterally, or where V = V'; what the second is worth away from V' is measured by
 with a `vertical_load` of their own.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +27,6 @@ from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes
 from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath
-from pysprings.springs.path_sets import rate_sets
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import secant_slopes
 
@@ -218,18 +216,15 @@ def covered(table: VerticalTable | None, V: Array, own: Array) -> Marks:
     return close_loads(V, own) & ~(share_left(table, V, own) < 1.0 - LOST_NEAR)
 
 
-def build_vertical(springs: Springs, rate: float | None = None) -> VerticalTable | None:
+def build_vertical(springs: Springs) -> VerticalTable | None:
     """Return the vertical springs of a spring set, None where it has no vertical calibration path.
 
     Of several paths in one direction the longest is used, of those that start at the vertical load of the scene where
-    there are any. Of springs at several rates it is that of the set nearest to `rate` [m/s] (None: the slowest).
+    there are any.
     """
-    paths, sets = springs.vertical, rate_sets(springs.vertical)
+    paths = springs.vertical
     if not paths:
         return None
-    if len(sets) > 1 and springs.rate_sets:
-        own = sets[0] if rate is None else min(sets, key=lambda each: abs(math.log(each.rate / rate)))
-        paths = tuple(path for path in paths if path.name in own.paths)
     first = min(paths, key=lambda path: abs(path.load - springs.rest_load))
     stiffness = springs.stiffness
     known = None if stiffness is None else float(stiffness[1, 1])

@@ -52,15 +52,18 @@ def equations(control: Control, targets: Array, arm: float, size: Array) -> tupl
 ROUNDING = 1e-9
 RANGE_SLACK = 1e-6  # share by which a spring may exceed its range before it counts as extrapolated (rounding)
 MOTION_UNITS = {"u": "m", "rotation": "rad"}
+# What the columns of targets hold, as far as they are read
+COLUMNS = {"load": ("H", "M"), "state": ("u", "rotation"), "displacement": ("u",), "rotation": ("rotation",)}
 
 
 def ending(control: Control, reached: tuple[float, float], target: Array, states: Array, loads: Array) -> str:
     """Return words for where a way ended: what was held, what was aimed at next, the last state."""
-    names = {"displacement": ("u",), "rotation": ("rotation",)}.get(control, ("u", "rotation"))
     got, aim = (
         loads_in_words(*each)
         if control == "load"
-        else ", ".join(f"{name} = {x:.6g} {MOTION_UNITS[name]}" for name, x in zip(names, each, strict=False))
+        else ", ".join(
+            f"{name} = {x:.6g} {MOTION_UNITS[name]}" for name, x in zip(COLUMNS[control], each, strict=False)
+        )
         for each in (reached, target)
     )
     last = "no step was reached"
