@@ -369,8 +369,10 @@ def _measured(unit: Unit, points: Points, inside: Marks, ends: Array, correlated
         count = int(own.sum())
         if not count:
             continue
-        if key in unit.values or key in _NOT_OF_POINTS:
-            why = "the table of layers gives it" if key in unit.values else "it counts in a table of layers alone"
+        rivals = [each for each in (STIFFNESSES if key in STIFFNESSES else (key,)) if each in unit.values]
+        if rivals or key in _NOT_OF_POINTS:
+            given = "it" if key in rivals else ", ".join(rivals)
+            why = f"the table of layers gives {given}" if rivals else "it counts in a table of layers alone"
             unit.remarks.append(f"{count} measured {key}: not used, {why}")
             continue
         if count < FEWEST_POINTS and key in correlated:
@@ -393,11 +395,12 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
     """Put the least, middle and greatest line of correlations into a layer, key by key.
 
     A correlation with most rows outside its range counts only where fewer than two are inside. A stiffness that is
-    given as Young's modulus, G/su or by plasticity is that of the strains of the load, and stays alone.
+    given as Young's modulus or G/su is that of the strains of the load, and stays alone.
     """
-    given = set(unit.values) & {*STIFFNESSES} - {"shear_modulus"}
+    given = set(unit.values) & {*STIFFNESSES}
+    of_strains = given - {"shear_modulus", "plasticity_index"}  # whose G_max is that of small strains
     for key in dict.fromkeys(each.gives for each in correlations):
-        if given and key in ("shear_modulus", *WITH_STRAIN):
+        if (given and key == "shear_modulus") or (of_strains and key in WITH_STRAIN):
             continue
         found: list[tuple[Array, Correlation, float, float]] = []
         for each in (each for each in correlations if each.gives == key and key not in unit.values):

@@ -303,6 +303,27 @@ def test_what_layers_give_stays_as_it_is(tmp_path) -> None:
     assert not {"shear_modulus", "degradation_strain"} & set(layer)
 
 
+def test_the_stiffness_of_small_strains_that_plasticity_gives_has_its_strain(tmp_path) -> None:
+    """The clay was elastic with G_max, 1000 su and more, up to su."""
+    table = "top [m],bottom [m],Soil type,su [kPa],Ip [%],gamma' [kN/m3]\n0,20,CLAY,40,30,8\n"
+    (tmp_path / "a.csv").write_text(table)
+    values = proposal(tmp_path / "a.csv")["layers"][0]["values"]
+    assert values["strain_at_half_strength"]["best"] == [0.015, 0.015] and "shear_modulus" not in values
+
+
+def test_measured_stiffness_is_no_second_one_beside_that_of_a_table(tmp_path) -> None:
+    """Both were written, and the scene refused the table."""
+    (tmp_path / "log.csv").write_text(
+        "top [m],bottom [m],Soil type,su [kPa],G/su [-],gamma' [kN/m3]\n0,9,CLAY,40,200,8\n"
+    )
+    (tmp_path / "lab.csv").write_text("Depth [m],Gmax [MPa]\n2,20\n4,25\n8,30\n")
+    site = tmp_path / "site.csv"
+    done = command("ground", tmp_path / "log.csv", tmp_path / "lab.csv", "--out", site, "--no-figures")
+    assert "layer 1: 3 measured shear_modulus: not used, the table of layers gives rigidity_ratio" in done.out
+    (layer,) = read_layers(site)
+    assert layer["rigidity_ratio"] == 200.0 and "shear_modulus" not in layer
+
+
 def test_a_value_of_a_file_stays(tmp_path) -> None:
     """K0 of a table and of points, G of points in law sand: none is replaced by a correlation."""
     (tmp_path / "log.csv").write_text("top [m],bottom [m],Soil type,Dr [-],K0 [-],gamma' [kN/m3]\n0,9,SAND,0.6,0.8,9\n")
