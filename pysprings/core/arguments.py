@@ -24,8 +24,12 @@ def check_arrays(**values: Any) -> None:
 
 
 def check_shapes(**values: Any) -> None:
-    """Raise UserInputError where arrays do not go together (None: not given): by shape, or by labels of one kind."""
+    """Raise UserInputError where values are neither numbers nor columns that go together (None: not given).
+
+    Columns go together by shape, and by labels of one kind.
+    """
     shapes = {name: np.shape(value) for name, value in values.items() if value is not None}
+    _raise({name: f"give a column (n,), not the shape {shape}" for name, shape in shapes.items() if len(shape) > 1})
     try:
         np.broadcast_shapes(*shapes.values())
     except ValueError:

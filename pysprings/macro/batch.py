@@ -58,7 +58,7 @@ def predict_batch(
 ) -> xr.Dataset:
     """Predict the motion under many independent loads (dimension case).
 
-    H [N], arm [m] or M [N m], and V [N] are numbers or arrays of one shape; or components, right-handed with z up: H_x,
+    H [N], arm [m] or M [N m], and V [N] are numbers or arrays (n,); or components, right-handed with z up: H_x,
     H_y [N], M_x, M_y [N m] in place of H and M, and torsion T [N m]. Answers to these have their components, too
     (`direction`, `u_x` ...). A case whose H and M do not lie in one vertical plane, or that has T, is answered by
     springs in space (`answer_from_all_sides`). Without such springs the first is not answered; with T `rot_z` is T over
@@ -99,7 +99,7 @@ def predict_batch(
 
 
 def _columns(*values: float | Array) -> list[Array]:
-    """Return numbers and arrays of one shape as rows (n,)."""
+    """Return numbers and arrays (n,) as rows (n,)."""
     columns = [np.atleast_1d(each).ravel() for each in np.broadcast_arrays(*(np.asarray(v, float) for v in values))]
     if not columns[0].size:
         raise refused("H", "no load case is given")
