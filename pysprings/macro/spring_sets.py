@@ -17,6 +17,7 @@ from pysprings.core.registry import Registry
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pysprings.core.progress import Progress
     from pysprings.macro.response import Response
     from pysprings.macro.space import SpaceResponse
     from pysprings.springs.path import SpringPath
@@ -48,7 +49,7 @@ class SpringSet:
     curves : Independent curves of a table can give the set.
     several : Sentence for a set that is made from several calibration paths together; blank for a set of one path.
     remark : Sentence that goes with every answer.
-    with_stored : Returns springs with what the set keeps in their file, made where it is missing.
+    with_stored : (springs, progress) -> springs with what the set keeps in their file, made where it is missing.
     in_space : Springs -> what answers loads from all sides; None for a set that holds in one plane only.
     """
 
@@ -62,7 +63,7 @@ class SpringSet:
     curves: bool = False
     several: str = ""
     remark: str = ""
-    with_stored: Callable[[xr.DataTree], xr.DataTree] | None = None
+    with_stored: Callable[[xr.DataTree, Progress | None], xr.DataTree] | None = None
     in_space: Callable[[Springs], SpaceResponse] | None = None
 
 
@@ -158,15 +159,15 @@ MEMORY = SpringSet(
     reproduces=lambda _springs, _path: False,  # a fit
     several="springs with memory come from all calibration paths",
     remark=CYCLES,
-    with_stored=lambda tree: _memory().with_memory(tree),
+    with_stored=lambda tree, progress: _memory().with_memory(tree, progress),
     in_space=lambda springs: _space().SpaceSprings.of(springs),
 )
 
 SPRING_SETS: Registry[SpringSet] = Registry("spring set", (PY, PISA, FULL, FAN, MEMORY))
 
 
-def with_stored(tree: xr.DataTree) -> xr.DataTree:
+def with_stored(tree: xr.DataTree, progress: Progress | None = None) -> xr.DataTree:
     """Return springs with all that spring sets keep in their file; as they are where they give no such set."""
     for each in SPRING_SETS:
-        tree = tree if each.with_stored is None else each.with_stored(tree)
+        tree = tree if each.with_stored is None else each.with_stored(tree, progress)
     return tree

@@ -13,6 +13,7 @@ import xarray as xr
 from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MEMORY
+from pysprings.core.progress import Progress
 from pysprings.macro.fan import build_fan, has_fan
 from pysprings.macro.vertical import build_vertical
 from pysprings.memory.calibration import ElementSet, SpaceElements, calibrate
@@ -186,7 +187,7 @@ def _at_other_rates(springs: Springs) -> list[Springs]:
     return [at for at in found if has_fan(at) and at.remembering and same_load(at.remembering[0].load, own.load)]
 
 
-def with_memory(tree: xr.DataTree) -> xr.DataTree:
+def with_memory(tree: xr.DataTree, progress: Progress | None = None) -> xr.DataTree:
     """Return springs with the calibrated elements in the group "memory"; as they are where they have no memory.
 
     Stored elements that belong to the paths stay, others are calibrated.
@@ -198,13 +199,18 @@ def with_memory(tree: xr.DataTree) -> xr.DataTree:
     rates: list[float | None] = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
     loads = sorted((one.V for one in springs.load_sets), key=lambda V: not same_load(V, springs.rest_load))
     found: dict[str, xr.Dataset] = {}
-    for (load, V), (pace, rate) in product(enumerate(loads), enumerate(rates)):
+    sets = [*product(enumerate(loads), enumerate(rates))]
+    for number, ((load, V), (pace, rate)) in enumerate(sets):
         at = springs.at(rate=rate, V=V)
         stored = {each.attrs["paths_sha256"] for each in found.values()}
         if has_fan(at) and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
             name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
             known = _stored(at)
+            if progress is not None and known is None:
+                progress("springs with memory", number / len(sets), f"elements of set {number + 1} of {len(sets)}")
             found[name] = memory_dataset(at, _calibrated(at)) if known is None else known
+    if progress is not None:
+        progress("springs with memory", 1.0, "")
     if not found:
         return tree
     if _follows(springs):

@@ -75,7 +75,7 @@ def run_to_folder(
     refuse_full_disk(scene_to_run(scene, mesh), folder)
     refuse_linked_folders(folder)
     options = RunOptions(mesh, None, progress, None, resume, time_unit, None, estimate_error, jobs)
-    result = run_into(folder, scene, options, _Files(folder, more, more.figures or scene.output.pictures))
+    result = run_into(folder, scene, options, _Files(folder, more, more.figures or scene.output.pictures, progress))
     raise_if_incomplete(result, folder)
     return folder
 
@@ -148,8 +148,8 @@ def run_or_go_on(
 class _Files(Sink):
     """The files of a run: those with its results first, then those that follow from them."""
 
-    def __init__(self, folder: Path, writing: Writing, figures: Figures) -> None:
-        self.folder, self.writing, self.figures = folder, writing, figures
+    def __init__(self, folder: Path, writing: Writing, figures: Figures, progress: Progress | None) -> None:
+        self.folder, self.writing, self.figures, self.progress = folder, writing, figures, progress
         self.kept: xr.DataTree | None = None  # result whose springs `source` has
         self.source = Source()
         self.has_springs = False
@@ -247,7 +247,7 @@ class _Files(Sink):
         """Write full model, springs, and the tables that are made of them."""
         self._write_model(computed)
         if self.has_springs:
-            self._made(computed.record, "springs.nc", self._store)
+            self._made(computed.record, "elements of springs.nc", self._store)
         if self.writing.springs_alone:
             return
         record, folder, source = computed.record, self.folder, self.source
@@ -268,7 +268,7 @@ class _Files(Sink):
         """Put into springs.nc what spring sets keep there: at the end, since it takes its time, of both meshes."""
         given, result = self.source.springs, self.source.result
         try:
-            whole = with_stored(given)
+            whole = with_stored(given, self.progress)
         except UserInputError:  # too little converged
             if result.attrs["status"] == "complete":
                 raise

@@ -21,6 +21,7 @@ import pysprings.results.folder
 from fe_engine.errors import LinearSolverError
 from fe_engine.solve import step_size
 from pysprings.core.errors import RunIncomplete, UserInputError
+from pysprings.core.progress import Progress
 from pysprings.core.text import with_prefix
 from pysprings.full_model import work
 from pysprings.macro.comparison import Comparison, compare
@@ -207,8 +208,10 @@ def test_what_spring_sets_store_is_made_once_after_the_estimate(
 ) -> None:
     """It takes up to minutes; the file has springs before. An interrupt of it leaves them, and --resume makes it."""
     seen: list[bool] = []
+    named: list[str] = []
 
-    def stored(tree: xr.DataTree) -> xr.DataTree:
+    def stored(tree: xr.DataTree, progress: Progress) -> xr.DataTree:
+        progress("elements", 0.0, "")
         seen.append((tmp_path / "springs.nc").exists())
         if len(seen) == 1:
             raise KeyboardInterrupt
@@ -218,9 +221,10 @@ def test_what_spring_sets_store_is_made_once_after_the_estimate(
 
     monkeypatch.setattr(pysprings.results.folder, "with_stored", stored)
     with pytest.raises(KeyboardInterrupt):
-        run_to_folder(tiny.scene(), tmp_path, estimate_error=True)
-    assert "kept" not in open_springs(tmp_path / "springs.nc").attrs and seen == [True]
-    run_to_folder(tiny.scene(), tmp_path, estimate_error=True, resume=True)
+        run_to_folder(tiny.scene(), tmp_path, progress=lambda *said: named.append(said[0]), estimate_error=True)
+    assert "kept" not in open_springs(tmp_path / "springs.nc").attrs and seen == [True] and "elements" in named
+    assert read_record(tmp_path)["not_made"]["elements of springs.nc"] == "interrupted"
+    run_to_folder(tiny.scene(), tmp_path, progress=lambda *said: None, estimate_error=True, resume=True)
     assert open_springs(tmp_path / "springs.nc").attrs["kept"] == "yes" and seen == [True, True]
 
 
