@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
+NONE_CALIBRATED = "no lateral path was calibrated"
 _U, _HALF = "u", "u, half"
 _AT_LOAD = {_U: "u_error_max_pct", _HALF: "u_error_half_pct"}  # at equal load; the second up to half of the largest one
 
@@ -238,9 +239,9 @@ def _under(path: xr.Dataset, V: float) -> str:
 def _range(run: Run) -> str:
     from pysprings.springs.springs import Springs
 
-    calibrated = {name: each for name, each in _lateral(run) if each.attrs.get("role") == "calibration"}
+    calibrated = _calibrated(run)
     if not calibrated:
-        return "no lateral path was calibrated"
+        return NONE_CALIBRATED
     first, *others = calibrated
     fan = _is_fan(run)
     used = [calibrated[name] for name in (first, *(others if fan else ()))]
@@ -304,6 +305,8 @@ def _use(run: Run) -> str:
         return "no springs were made"
     if run.record.failures:
         return "not for design: the run did not come to its end"
+    if not _calibrated(run):
+        return NONE_CALIBRATED
     if not _is_fan(run):
         return "only on the path that they were made from: other load heights need a fan ([springs] reach)"
     worst, limits = _held_back(run) or {}, []
@@ -336,6 +339,11 @@ def _lateral(run: Run) -> list[tuple[str, xr.Dataset]]:
     """
     paths = [path for path in paths_of(run.result).values() if path.rules.drives != "w"]
     return [(path.name, before_cavitation(path.dataset)) for path in paths if path.dataset.sizes["step"] > 1]
+
+
+def _calibrated(run: Run) -> dict[str, xr.Dataset]:
+    """Return the paths of `_lateral` that springs are made from."""
+    return {name: each for name, each in _lateral(run) if each.attrs.get("role") == "calibration"}
 
 
 def _is_fan(run: Run) -> bool:

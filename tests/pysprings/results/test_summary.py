@@ -214,6 +214,14 @@ def test_the_range_is_that_of_the_path_that_springs_are_made_from(folder: Path) 
     assert _range(run).startswith(f"u up to {end:.3g} mm, ") and "the load height of path pull only" in _range(run)
 
 
+def test_springs_of_no_path_have_neither_range_nor_use(folder: Path) -> None:
+    record, tree = RunRecord.read(folder), read_tree(folder / "full_model.nc")
+    tree["paths/pull"].attrs["role"] = "held-back"
+    assert record is not None
+    found = summary(tree, record, pd.DataFrame({"springs": []}))
+    assert found["range"] == found["use"] == "no lateral path was calibrated"
+
+
 def test_what_springs_are_worth_is_not_judged_on_a_path_that_turns_back(folder: Path) -> None:
     """A fan goes back on its curve; `pysprings compare` has its error there."""
     tree = read_tree(folder / "full_model.nc")
