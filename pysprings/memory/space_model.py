@@ -92,7 +92,7 @@ class SpaceSprings:
         Raises UserInputError where no path leaves the plane, or no ray turns back.
         """
         given = Springs.of(springs).at()
-        if not given.turning:
+        if all(path.kind == "twist" for path in given.turning):
             raise refused("springs", MISSING)
         planar = build_memory(given)
         size = planar.table.load_scale
