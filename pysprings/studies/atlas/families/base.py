@@ -11,6 +11,7 @@ from typing import Any
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.scene.by_depth import ByDepth
 from pysprings.scene.defaults import row_of, value_text
 from pysprings.scene.ground import in_layers
 from pysprings.scene.model import Scene
@@ -122,7 +123,8 @@ def _differing(scene: Scene, base: Scene, family: Family) -> Iterator[Problem]:
 
 
 def _shown(value: Any, model: Any, key: str) -> str:
-    return "none" if value is None else value_text(row_of(key, value, model, key))
+    words = "none" if value is None else "a value by depth" * isinstance(value, ByDepth)
+    return words or value_text(row_of(key, value, model, key))
 
 
 def first_layer(scene: Scene) -> Any:

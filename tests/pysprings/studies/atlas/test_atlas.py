@@ -234,6 +234,8 @@ def test_short_names_are_those_of_the_ground_of_a_scene_file(tmp_path):
     [
         (CLAY_SCENE.replace("poisson_ratio = 0.49\n", ""), "soil.poisson_ratio: the atlas holds for 0.49 alone"),
         (CLAY_SCENE.replace("rigidity_ratio = 200", 'shear_modulus = "5 MPa"'), "soil.layer.rigidity_ratio: missing"),
+        (CLAY_SCENE.replace("rigidity_ratio = 200", 'shear_modulus = { top = "4 MPa", gradient = "1 MPa/m" }'),
+         "soil.shear_modulus: the atlas holds for none alone, the scene has a value by depth"),
         (template_text("sand-over-clay"), "is tresca, that of the scene drucker-prager, tresca"),
         (template_text("paper-drained"), "is tresca, that of the scene drucker-prager"),
         (template_text("paper-drained").replace("drucker-prager", "elastic"), "is tresca, that of the scene elastic"),
