@@ -98,8 +98,8 @@ def _watched(progress: Progress) -> Iterator[Callable[[], float]]:
     """Report that compilation begins; yield a function that returns the seconds that it has taken; no warnings."""
     gc.disable()  # of Numba's trees, which stay reachable: looking through them takes a twentieth of the time
     try:
-        with jit.compilation(lambda: progress("compiling", 0.0, "")) as seconds, warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a mesh that nobody uses
+        silence = warnings.catch_warnings(action="ignore")  # of a mesh that nobody uses
+        with jit.compilation(lambda: progress("compiling", 0.0, "")) as seconds, silence:
             yield seconds
     finally:
         gc.enable()

@@ -201,8 +201,7 @@ def _answer(springs: xr.DataTree, force: float, arm: float) -> xr.Dataset | str:
     from pysprings.macro.predict import MacroWarning, predict
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", MacroWarning)  # the attributes of the answer have them
+        with warnings.catch_warnings(action="ignore", category=MacroWarning):  # the attributes of the answer have them
             return predict(springs, H=force, arm=arm, extrapolate=True)
     except PyspringsError as error:
         if isinstance(error, UserInputError) and not isinstance(error, BeyondSprings):  # as of several rates

@@ -199,8 +199,7 @@ def answered(atlas: Atlas, wanted: Wanted, D: float, L: float) -> pd.DataFrame:
     names = ("u", "rotation", "u_deviation", "rotation_deviation", "utilisation", "answered")
     table = pd.DataFrame(np.nan, index=range(len(cases)), columns=list(names))
     for scene, rows in scenes_of(atlas, wanted, D, L):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"):
             batch = predict_batch(atlas.springs(scene), H=cases.H[rows], M=cases.M[rows])
         table.loc[rows] = np.stack([batch[name].values for name in names], axis=1)
     return table
@@ -345,8 +344,7 @@ def confirmed(atlas: Atlas, wanted: Wanted, candidate: Candidate) -> pd.DataFram
         }
         for k in range(len(cases))
     ]  # fmt: skip
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"):
         result = run(scene.replace(paths=tuple(paths)))
     if result.attrs["status"] == Status.INTERRUPTED:
         raise KeyboardInterrupt

@@ -191,8 +191,7 @@ def run_case(case: Case, mesh: str = "coarse", refinement: float = 1.0, reach: f
     head: dict[str, Any] = {"group": case.group, "case": case.name, "what": case.what}
     try:
         scene = case.scene(mesh, reach).replace(mesh={"refinement": refinement})
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a run's own warnings are in its record
+        with warnings.catch_warnings(action="ignore"):  # a run's own warnings are in its record
             result = compute(scene)
     except (UserInputError, ValidationError) as error:
         return Outcome(**head, outcome=REFUSED, detail=_refusal(error))

@@ -65,8 +65,7 @@ class Asker:
         Errors are answers, those of the program too, so that no earlier answer stays beside other inputs.
         """
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # they are attributes of an answer, too
+            with warnings.catch_warnings(action="ignore"):  # they are attributes of an answer, too
                 return self._answer(values, table)
         except Exception as error:
             return Answer(None, explained(error)[0])

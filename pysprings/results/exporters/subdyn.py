@@ -79,8 +79,7 @@ def linear(springs: Springs, options: Options) -> Linear:
         beside = [AT_REST, *of_rate, *secants(springs), *linear_errors(springs)]
         return Linear(at_lid(springs), "stiffness at rest", beside)
     question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
-    with warnings.catch_warnings(record=True) as marks:
-        warnings.simplefilter("always", MacroWarning)
+    with warnings.catch_warnings(record=True, action="always", category=MacroWarning) as marks:
         found = stiffness_six(springs, **question)
     matrix, name = found.values * np.outer(_UP, _UP) + 0.0, str(found.attrs["long_name"])
     words = f"linear: {name} ({options['at']}); x along that load; beside it secants of the springs, and its errors"

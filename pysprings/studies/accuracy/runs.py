@@ -82,8 +82,7 @@ def forget_all(settings: Sequence[Setting], out: Path) -> None:
 def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:
     """Run one; return why it stopped early, or could not be run."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a run's own warnings are in its record
+        with warnings.catch_warnings(action="ignore"):  # a run's own warnings are in its record
             run(scene, folder, progress)
     except RunIncomplete as error:
         return f"{_NOT_CONVERGED}{error}"

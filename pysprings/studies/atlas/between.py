@@ -84,8 +84,7 @@ def fit(points: Array, values: Array, seed: int = 0) -> Process:
     mean, size = float(values.mean()), float(values.std()) or 1.0
     kernel = ConstantKernel(10.0, (1e-2, 1e5)) * Matern(np.ones(points.shape[1]), _LENGTHS, nu=2.5)
     model = GaussianProcessRegressor(kernel + WhiteKernel(1e-3, _NOISE), n_restarts_optimizer=1, random_state=seed)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a length at its bound: the input does not matter
+    with warnings.catch_warnings(action="ignore"):  # a length at its bound: the input does not matter
         model.fit(points, (values - mean) / size)
     product, noise = model.kernel_.k1, model.kernel_.k2
     lengths = np.broadcast_to(product.k2.length_scale, points.shape[1]).astype(float)

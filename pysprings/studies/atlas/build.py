@@ -88,8 +88,7 @@ def _pull(
             yield {**place, "quantity": "all", "why_not": "the full model stopped before"}
             continue
         try:
-            with warnings.catch_warnings():  # of the edge of the atlas: the table has every case
-                warnings.simplefilter("ignore")
+            with warnings.catch_warnings(action="ignore"):  # of the edge of the atlas: the table has every case
                 answer = predict.impose(springs, u=u, arm=arm)
         except PyspringsError as error:
             yield {**place, "quantity": "all", "why_not": str(error).split("\n")[0]}

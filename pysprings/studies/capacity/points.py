@@ -298,8 +298,7 @@ def _run(each: Planned, out: Path, progress: Progress) -> Ended:
 
     folder = run_folder(out, each.name)
     if not each.has_ended(out):
-        with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"), suppress(RunIncomplete):  # its record has them
             run_or_go_on(each.scene, folder, progress, estimate_error=each.estimated)
     return Ended(each, folder, why_stopped(record_of(folder, each.scene)))
 

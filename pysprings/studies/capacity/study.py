@@ -260,8 +260,7 @@ def write(out: str | os.PathLike[str], outcome: points.Capacity, formats: Sequen
     else:
         (folder / "cases.csv").unlink(missing_ok=True)
     write_text(json_text(to_json(outcome), indent=1) + "\n", folder / "capacity.json")
-    with following("the picture was"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with following("the picture was"), warnings.catch_warnings(action="ignore"):
         if len(outcome.table):
             redraw(lambda: picture.envelopes(outcome.table, outcome.scene, outcome.cases), folder / "capacity", formats)
     with following("the page was"):

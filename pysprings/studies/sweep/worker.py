@@ -245,8 +245,7 @@ def _computed(task: Task, folder: Path) -> tuple[str, str, str]:
     from pysprings.results.folder import Writing, run_or_go_on
 
     scene = parse_scene(task.scene)
-    with warnings.catch_warnings(), suppress(RunIncomplete):  # the record has the reason, and the warnings
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"), suppress(RunIncomplete):  # its record has them
         run_or_go_on(scene, folder, writing=Writing(springs_alone=not task.keep_all), estimate_error=None)
     record = RunRecord.read(folder)
     if record is None:
