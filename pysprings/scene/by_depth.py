@@ -105,7 +105,7 @@ class Profile(Field):
         return (*linear, *(_POWERS if self.powers else ()))
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None or isinstance(value, ByDepth):
+        if isinstance(value, ByDepth):
             return value
         if not isinstance(value, Mapping):
             return self.quantity.validate(value, info)
@@ -181,8 +181,6 @@ class BySurface(Field):
     text: str
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None and self.number is not None:
-            return value
         if not isinstance(value, Mapping):
             return self._one(value, info)
         wrong = [f"{quoted(each)}: unknown surface{suggestion(str(each), SURFACES)}" for each in value

@@ -19,6 +19,8 @@ from pysprings.scene.sections import Section
 
 BALANCED = "balanced"  # vertical load of a caisson whose scene gives none
 MOST_SETS = 8  # of springs at further vertical loads, from a table of cases
+_ARM = Quantity("m", "[-1e3, 1e3]", "its height above mudline; 0 when left out", "20 m")
+_TILT = Quantity("deg", "[1e-4, 30]", "rotation that is tolerated; 0.25 deg when left out", "0.5 deg")
 _CASES = "table of load cases (CSV, Excel); its path is relative to the scene file"
 USUAL_TILT = math.radians(0.25)  # the usual tolerance of offshore wind turbines over their life
 
@@ -31,17 +33,10 @@ class Design(Section):
     depends on this section.
     """
 
-    lateral_force: Annotated[
-        float | None, Quantity("MN", "[-1e4, 1e4]", "lateral design load", "2.5 MN", optional=True)
-    ] = None
-    arm: Annotated[
-        float | None, Quantity("m", "[-1e3, 1e3]", "its height above mudline; 0 when left out", "20 m", optional=True)
-    ] = None
-    tilt: Annotated[
-        float | None,
-        Quantity("deg", "[1e-4, 30]", "rotation that is tolerated; 0.25 deg when left out", "0.5 deg", optional=True),
-    ] = None
-    cases: Annotated[str | None, Text(_CASES, optional=True)] = None
+    lateral_force: Annotated[float | None, Quantity("MN", "[-1e4, 1e4]", "lateral design load", "2.5 MN")] = None
+    arm: Annotated[float | None, _ARM] = None
+    tilt: Annotated[float | None, _TILT] = None
+    cases: Annotated[str | None, Text(_CASES)] = None
 
 
 def design_clashes(design: Design) -> Iterator[Clash]:

@@ -2,7 +2,8 @@
 """Types of the scene's fields: accepted values, message for others, JSON schema.
 
 Each is a pydantic annotation, `radius: Annotated[float, Quantity("m", "(0, 1e4]", "...", "24 m")]`. From TOML
-a dimensional value must be a text with its unit; from Python an SI number will do as well.
+a dimensional value must be a text with its unit; from Python an SI number will do as well, and None where the
+annotation has it (TOML leaves the key out).
 """
 
 import math
@@ -11,7 +12,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Integral, Real
-from typing import Any
+from types import NoneType
+from typing import Any, get_args
 
 from pydantic import ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -64,7 +66,8 @@ class Field(ABC):
         return value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self.validate)
+        read = core_schema.with_info_plain_validator_function(self.validate)
+        return core_schema.nullable_schema(read) if NoneType in get_args(source) else read
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
         return self.schema()
@@ -76,7 +79,6 @@ class Quantity(Field):
 
     unit : the usual unit, in which `interval` is written and values are shown
     word : a text accepted in place of a quantity
-    optional : None is a value too (from Python; TOML leaves the key out)
     common : usual range of a layer's value in `unit`; `pysprings.scene.defaults` remarks on values beyond it
     """
 
@@ -85,11 +87,10 @@ class Quantity(Field):
     text: str
     example: str
     word: str | None = None
-    optional: bool = False
     common: tuple[float, float] | None = None
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if (value is None and self.optional) or (self.word is not None and value == self.word):
+        if self.word is not None and value == self.word:
             return value
         return self.number(value, bare=(info.context or {}).get("bare_numbers", True))
 
@@ -134,7 +135,6 @@ class Number(Field):
     interval: str
     text: str
     example: float
-    optional: bool = False
     word: str | None = None
     common: tuple[float, float] | None = None
     constant: bool = False
@@ -145,7 +145,7 @@ class Number(Field):
         return "1"
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if (value is None and self.optional) or (self.word is not None and value == self.word):
+        if self.word is not None and value == self.word:
             return value
         if not _is_number(value):
             expected = f"expected a number without unit and quotes such as {self.example:g}{_or_word(self.word)}"
@@ -190,11 +190,8 @@ class Count(Field):
     high: int
     text: str
     multiple_of: int = 1
-    optional: bool = False
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None and self.optional:
-            return value
         if isinstance(value, bool) or not isinstance(value, Integral):
             raise refuse(f"expected a whole number such as {self.low}, got {quoted(value)}")
         count = int(value)
@@ -216,11 +213,8 @@ class Choice(Field):
     words: tuple[str, ...]
     text: str
     planned: tuple[str, ...] = ()
-    optional: bool = False
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None and self.optional:
-            return value
         known = ", ".join(quoted(word) for word in self.words)
         if not isinstance(value, str):
             raise refuse(f"expected one of {known}, got {quoted(value)}")
@@ -265,11 +259,8 @@ class Text(Field):
     pattern: str = r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,200}"
     meaning: str = "1 to 200 characters on one line"
     names_files: bool = False
-    optional: bool = False
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None and self.optional:
-            return value
         if not isinstance(value, str):
             raise refuse(f"expected a text in quotes, got {quoted(value)}")
         if not re.fullmatch(self.pattern, value) or not value.strip():

@@ -8,7 +8,7 @@ Defaults of the caisson are that of Cerfontaine, Charlier & Collin (2018); the g
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from pydantic import BaseModel, ConfigDict, Field as Key, create_model
@@ -25,32 +25,29 @@ from pysprings.scene.then import Then, ThenList
 # pydantic annotations of the fields, short enough to be read as a table
 _PENALTY = 'penalty stiffness of the interface; "auto" is 390 times Young modulus over diameter'
 _STIFFNESS = Quantity("N/m^3", "[1e3, 1e16]", _PENALTY, "1e10 N/m^3", word="auto")
-_SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm", optional=True)
-_TURN = Quantity("deg", "[-30, 30]", "rotation, positive where the caisson leans towards +x", "0.1 deg", optional=True)
+_SHIFT = Quantity("mm", "[-1e4, 1e4]", "lateral displacement of the lid centre, towards +x", "20 mm")
+_TURN = Quantity("deg", "[-30, 30]", "rotation, positive where the caisson leans towards +x", "0.1 deg")
 _SINK_TEXT = "vertical displacement of the lid centre, positive down (pull-out is negative)"
-_SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm", optional=True)
-_PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN", optional=True)
+_SINK = Quantity("mm", "[-1e4, 1e4]", _SINK_TEXT, "20 mm")
+_PUSH = Quantity("MN", "[-1e4, 1e4]", "lateral force on the whole caisson, towards +x", "5 MN")
 _ARM = Quantity("m", "[-1e3, 1e3]", "height of the load above mudline", "8 m")
-_ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m", optional=True)
+_ARM_FROM = Quantity("m", "[-1e3, 1e3]", "height where a load acts first; it then climbs to arm", "0 m")
 _LOAD_ANGLE = Quantity(
-    "deg", "[-180, 180]", "direction of a probe: angle of the load in the plane of H and M/D", "45 deg", optional=True
+    "deg", "[-180, 180]", "direction of a probe: angle of the load in the plane of H and M/D", "45 deg"
 )
 _TORSION_ANGLE = Quantity(
-    "deg", "[-90, 90]", "direction of a probe: angle of the load out of the plane of H and M/D, towards T/D",
-    "30 deg", optional=True,
-)  # fmt: skip
-_RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s", optional=True)
-_TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s", optional=True)
+    "deg", "[-90, 90]", "direction of a probe: angle of the load out of the plane of H and M/D, towards T/D", "30 deg"
+)
+_RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s")
+_TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s")
 _LINEAR = Choice(("auto", "pardiso", "rslab", "superlu"), "linear solver", planned=("mumps",))
-_DIRECTION = Quantity("deg", "[-360, 360]", "direction of the load, from +x towards +y", "45 deg", optional=True)
-_TWIST = Quantity("mrad", "[-500, 500]", "rotation about the vertical axis, from +x towards +y", "10 mrad",
-                  optional=True)  # fmt: skip
-_ROUND = Quantity("mm", "[1e-6, 1e4]", "radius of the circle on which the lid centre goes once round", "5 mm",
-                   optional=True)  # fmt: skip
+_DIRECTION = Quantity("deg", "[-360, 360]", "direction of the load, from +x towards +y", "45 deg")
+_TWIST = Quantity("mrad", "[-500, 500]", "rotation about the vertical axis, from +x towards +y", "10 mrad")
+_ROUND = Quantity("mm", "[1e-6, 1e4]", "radius of the circle on which the lid centre goes once round", "5 mm")
 
 
 def _end(unit: str, text: str, example: str) -> Quantity:
-    return Quantity(unit, "[-1e4, 1e4]" if unit != "mrad" else "[-500, 500]", text, example, optional=True)
+    return Quantity(unit, "[-1e4, 1e4]" if unit != "mrad" else "[-500, 500]", text, example)
 
 
 _ALONG_X, _ALONG_Y, _TURNED = (_end(unit, 'end value of a path of kind "motion"', f"5 {unit}")
@@ -66,16 +63,13 @@ _AT_REST = (
     'initial horizontal over vertical effective stress; "auto" is 1 - sin(friction_angle_final), of law sand 1 - '
     "sin(critical_friction_angle); needed by soil with friction, 1 where others do not give it"
 )
-_E = Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa", optional=True)
-_NU = Number("[0, 0.5)", "Poisson ratio; 0.3 where not given, 0.495 of undrained clay", 0.3, optional=True,
-             common=(0.05, 0.4999))  # fmt: skip
-_WEIGHT = Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10 kN/m^3", optional=True,
-                   common=(3.0, 14.0))  # fmt: skip
+_E = Quantity("MPa", "[0.001, 1e6]", "Young modulus", "200 MPa")
+_NU = Number("[0, 0.5)", "Poisson ratio; 0.3 where not given, 0.495 of undrained clay", 0.3, common=(0.05, 0.4999))
+_WEIGHT = Quantity("kN/m^3", "[0, 100]", "effective (submerged) unit weight", "10 kN/m^3", common=(3.0, 14.0))
 _CONDUCTS = Quantity("m/s", "[1e-20, 10]", "hydraulic conductivity; used and needed where drainage is coupled",
-                     "1e-4 m/s", optional=True, common=(1e-13, 0.1))  # fmt: skip
-_G = Quantity(
-    "MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", optional=True, common=(0.1, 1500.0)
-)  # fmt: skip; G: peat to very dense sand at depth, short of rock
+                     "1e-4 m/s", common=(1e-13, 0.1))  # fmt: skip
+# G: peat to very dense sand at depth, short of rock
+_G = Quantity("MPa", "[1e-4, 1e6]", "shear modulus, instead of young_modulus", "5 MPa", common=(0.1, 1500.0))
 _ADHESION = BySurface(
     Number("[0, 1]", "largest shear over su (or over the cohesion)", 0.65), ("api",),
     "largest shear of the interface over su of the soil beside it",
@@ -87,20 +81,22 @@ _OPENING = BySurface(
 _DRAINED = Choice(
     ("total-stress", "drained", "coupled", "undrained"),
     "water of the layer: total-stress for undrained clay, for others that of [drainage] (default) or drained",
-    optional=True,
-)  # fmt: skip
+)
+_KNOWN_TO = Quantity("m", "(0, 1e4]", "depth to which its values are known; they hold on below it", "20 m")
 _SEA = "depth of the sea; where given, suction is checked for cavitation"
-_DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m", optional=True)
+_DEPTH = Quantity("m", "[0, 2e4]", _SEA, "30 m")
 _VISCOSITY = Quantity("Pa s", "[1e-6, 1e3]", "dynamic viscosity of water", "0.001 Pa s")
 _BULK = 'bulk modulus of water; "incompressible" is possible too'
 _BALANCED = 'constant load on the whole caisson, positive down; "balanced" carries the initial contact stresses'
-_OWN_LOAD = 'vertical load of this path instead of caisson.vertical_load; or "balanced"'
+_CARRIED = Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")
+_INSTEAD = 'vertical load of this path instead of caisson.vertical_load; or "balanced"'
+_OWN_LOAD = Quantity("MN", "[-1e4, 1e4]", _INSTEAD, "4 MN", word="balanced")
 _DISCRETISED = "bricks (hex8), or Fourier series in azimuth; by default series where they can represent the scene"
 _RADIUS = Quantity("m", "[0.01, 1e4]", 'radius of the cylinder of soil; "auto" follows the caisson', "24 m", word=AUTO)
 _BOTTOM = Quantity(
     "m", "[0.01, 1e4]", 'depth of the cylinder of soil; "auto" follows caisson and layers', "12 m", word=AUTO
 )
-_REACH = Quantity("mm", "[1e-6, 1e5]", "largest motion of the fan of load paths", "20 mm", optional=True)
+_REACH = Quantity("mm", "[1e-6, 1e5]", "largest motion of the fan of load paths", "20 mm")
 _FURTHER_LOADS = QuantityList(
     "", (("", Quantity("MN", "[-1e4, 1e4]", "vertical load", "4 MN")),),
     'further vertical loads under which the rays are computed, beside that of [caisson]; "from cases" takes the fewest '
@@ -119,9 +115,10 @@ _VISCOUS = Quantity(
     "mm", "[1e-9, 100]",
     "imposed motion in which stress beyond yield relaxes once an attempt at a step has failed: carries paths through "
     "localised sand",
-    "0.001 mm", optional=True,
+    "0.001 mm",
 )  # fmt: skip
-_FRACTION = Number("[1e-12, 1]", "first step, as a fraction of the path", 0.02, optional=True)
+_FRACTION = Number("[1e-12, 1]", "first step, as a fraction of the path", 0.02)
+_LARGEST_FRACTION = Number("[1e-9, 1]", "largest step, as a fraction of the path", 0.1)
 
 
 class Section(BaseModel):
@@ -142,9 +139,7 @@ class Caisson(Section):
         float, Quantity("GPa", "[0.001, 1e6]", "Young modulus of an elastic caisson", "200 GPa")
     ] = 200e9
     poisson_ratio: Annotated[float, Number("[0, 0.5)", "Poisson ratio of an elastic caisson", 0.3)] = 0.3
-    vertical_load: Annotated[float | str, Quantity("MN", "[-1e4, 1e4]", _BALANCED, "4 MN", word="balanced")] = (
-        "balanced"
-    )
+    vertical_load: Annotated[float | str, _CARRIED] = "balanced"
 
 
 class Domain(Section):
@@ -171,9 +166,7 @@ class SoilState(Section):
     yield_surface: Annotated[str, Choice(tuple(SOIL_LAWS), "shape of the yield surface")] = "drucker-prager"
     effective_unit_weight: Annotated[float | None, _WEIGHT] = None
     surcharge: Annotated[float, Quantity("kPa", "[0, 1e5]", "vertical effective stress at mudline", "10 kPa")] = 0.0
-    K0: Annotated[
-        float | str | None, Number("[0.01, 10]", _AT_REST, 0.5, optional=True, word="auto", common=(0.25, 3.0))
-    ] = None
+    K0: Annotated[float | str | None, Number("[0.01, 10]", _AT_REST, 0.5, word="auto", common=(0.25, 3.0))] = None
     hydraulic_conductivity: Annotated[float | None, _CONDUCTS] = None
     shear_modulus: Annotated[float | ByDepth | None, Profile(_G, powers=True)] = None
     if TYPE_CHECKING:
@@ -181,7 +174,7 @@ class SoilState(Section):
         def __getattr__(self, name: str) -> Any: ...
 
 
-_OF_LAWS: dict[str, Any] = {name: (Annotated[Any, field], None) for name, field in LAW_KEYS.items()}
+_OF_LAWS: dict[str, Any] = {name: (Annotated[Any | None, field], None) for name, field in LAW_KEYS.items()}
 if TYPE_CHECKING:
 
     class SoilValues(SoilState): ...
@@ -196,15 +189,10 @@ class LayerPlace(Section):
 
     top: Annotated[float, Quantity("m", "[0, 1e4]", "depth of the top of the layer below mudline", "0 m")]
     name: Annotated[str, Text("name of the layer in tables")] = "layer"
-    law: Annotated[
-        str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]", optional=True)
-    ] = None
+    law: Annotated[str | None, Choice(tuple(SOIL_LAWS), "constitutive law; by default that of [soil]")] = None
     drainage: Annotated[str | None, _DRAINED] = None
-    known_to: Annotated[
-        float | None,
-        Quantity("m", "(0, 1e4]", "depth to which its values are known; they hold on below it", "20 m", optional=True),
-    ] = None
-    remark: Annotated[str | None, Text("what a reader of results has to know of its values", optional=True)] = None
+    known_to: Annotated[float | None, _KNOWN_TO] = None
+    remark: Annotated[str | None, Text("what a reader of results has to know of its values")] = None
 
 
 _NOT_BY_LAYER = ("yield_surface", "surcharge")
@@ -226,8 +214,8 @@ def _layer_field(name: str) -> Any:
     """Return the optional field of a layer for a value of the soil."""
     field = field_of(name)
     if not isinstance(field, Quantity | Number) or getattr(field, "constant", False):
-        return Annotated[Any, field], None
-    return Annotated[Any, Profile(replace(field, optional=True), name in _BY_STRESS)], None
+        return Annotated[Any | None, field], None
+    return Annotated[Any | None, Profile(field, name in _BY_STRESS)], None
 
 
 _VALUES = {name: _layer_field(name) for name in SoilValues.model_fields if name not in _NOT_BY_LAYER}
@@ -342,9 +330,7 @@ class Path(Section):
     T: Annotated[float | None, _MOMENT] = None
     rate: Annotated[float | None, _RATE] = None
     duration: Annotated[float | None, _TIME] = None
-    vertical_load: Annotated[
-        float | str | None, Quantity("MN", "[-1e4, 1e4]", _OWN_LOAD, "4 MN", word="balanced", optional=True)
-    ] = None
+    vertical_load: Annotated[float | str | None, _OWN_LOAD] = None
     heave: Annotated[str, Choice(("free", "fixed"), "the vertical displacement of the caisson")] = "free"
     role: Annotated[
         str, Choice(ROLES, "whether springs are made from this path, their memory of reversals, or it only checks them")
@@ -378,10 +364,10 @@ class Mesh(Section):
     """Size of the mesh: a preset, and what overrides it."""
 
     preset: Annotated[str, Choice(get_args(MeshPreset), "size of the mesh")] = "coarse"
-    azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4, optional=True)] = None
+    azimuth: Annotated[int | None, Count(8, 256, "cells around the half ring", multiple_of=4)] = None
     refinement: Annotated[float, Number("[0.25, 8]", "factor on all numbers of cells of the preset", 1.0)] = 1.0
     discretisation: Annotated[str, Choice((AUTO, *get_args(Discretisation)), _DISCRETISED)] = AUTO
-    harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series", optional=True)] = None
+    harmonics: Annotated[int | None, Count(1, 64, "highest harmonic of the series")] = None
     halvings: Annotated[
         int, Count(0, MOST_HALVINGS, "times that elements beside skirt and tip are halved (series)")
     ] = 0
@@ -396,9 +382,7 @@ class Solver(Section):
     linear: Annotated[str, _LINEAR] = "auto"
     max_iterations: Annotated[int, Count(2, 1000, "Newton iterations before a step is cut back")] = 20
     first_step_fraction: Annotated[float | None, _FRACTION] = None
-    max_step_fraction: Annotated[
-        float | None, Number("[1e-9, 1]", "largest step, as a fraction of the path", 0.1, optional=True)
-    ] = None
+    max_step_fraction: Annotated[float | None, _LARGEST_FRACTION] = None
     viscous_displacement: Annotated[float | None, _VISCOUS] = None
 
 

@@ -46,8 +46,6 @@ class ReductionTable(Field):
     text: str
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None:
-            return value
         pairs = _pairs(value)
         faults = list(_faults(pairs))
         if faults:
@@ -138,13 +136,13 @@ def triaxial_shares(compression: float, direct: float, extension: float) -> tupl
 
 # su: from normally consolidated clay to stiff clay, beyond 300 kPa is rock
 _SU_TEXT = "undrained shear strength: any test for tresca, plane strain or DSS for von-mises"
-_SU = Quantity("kPa", "[0, 1e5]", _SU_TEXT, "5 kPa", optional=True, common=(0.5, 300.0))
-_RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0, optional=True)
+_SU = Quantity("kPa", "[0, 1e5]", _SU_TEXT, "5 kPa", common=(0.5, 300.0))
+_RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0)
 _INDEX_TEXT = "plasticity index in %; gives small-strain G of clay, with overconsolidation_ratio"
-_INDEX = Number("[0, 160]", _INDEX_TEXT, 40.0, optional=True, common=(5.0, 130.0))
-_OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5, optional=True)
+_INDEX = Number("[0, 160]", _INDEX_TEXT, 40.0, common=(5.0, 130.0))
+_OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5)
 _HALF_TEXT = "engineering shear strain at su/2 (1.5 eps50 of a triaxial test)"
-_HALF = Number("[1e-6, 0.5]", _HALF_TEXT, 0.01, optional=True, common=(1e-3, 0.06))
+_HALF = Number("[1e-6, 0.5]", _HALF_TEXT, 0.01, common=(1e-3, 0.06))
 _TABLE = "backbone of iwan-clay: pairs of engineering shear strain and secant G/G_0, beside the stiffness"
 _CYCLIC = "backbone of iwan-clay from contours of cyclic tests at a number of cycles and tau_a/su, beside the stiffness"
 CLAY: dict[str, Field] = {
@@ -154,9 +152,7 @@ CLAY: dict[str, Field] = {
 
 
 def _factor(what: str, example: float, common: tuple[float, float]) -> Number:
-    return Number(
-        "[0.1, 5]", f"su in {what} over undrained_shear_strength", example, True, common=common, constant=True
-    )
+    return Number("[0.1, 5]", f"su in {what} over undrained_shear_strength", example, common=common, constant=True)
 
 
 class Tresca(SoilLaw):

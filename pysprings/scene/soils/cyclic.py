@@ -51,8 +51,8 @@ _PARCELS = (Column("N", "1", ("number of cycles", "cycles")), Column("load/large
 _OF_PARCELS = ("(0, 1e9]", "(0, 1]")
 _KEYS: dict[str, Field] = {
     "average": Number("[0, 2]", "tau_a/su", 0.0), "name": Text("name of the table"),
-    "cycles": Number("[1, 1e9]", "equivalent number of cycles", 10.0, optional=True),
-    "utilisation": Number("(0, 5]", "tau/su under the largest load of the parcels", 0.6, optional=True),
+    "cycles": Number("[1, 1e9]", "equivalent number of cycles", 10.0),
+    "utilisation": Number("(0, 5]", "tau/su under the largest load of the parcels", 0.6),
 }  # fmt: skip
 _TABLES = {"contours": (_COLUMNS, _INTERVALS), "parcels": (_PARCELS, _OF_PARCELS)}
 
@@ -241,7 +241,7 @@ class CyclicTable(Field):
     text: str
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
-        if value is None or isinstance(value, Cyclic):
+        if isinstance(value, Cyclic):
             return value
         given = {"average": 0.0, "name": "contours", **value} if isinstance(value, Mapping) else {}
         given = {key: each for key, each in given.items() if each is not None}

@@ -30,18 +30,17 @@ _DEGRADES = "shear strain gamma_0.7 at which sand has 72.2 % of its initial seca
 _LEFT = "share of the initial stiffness left at large strains (0.2 where not given)"
 # phi: plastic silt to dense sand
 STRENGTH: dict[str, Field] = {
-    "friction_angle_initial": Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto", optional=True),
-    "friction_angle_final": Quantity("deg", "[0, 60]", "friction angle when fully hardened", "30 deg", optional=True,
-                                     common=(20.0, 46.0)),
-    "hardening_parameter": Number("[1e-9, 10]", _HARDENS, 0.005, optional=True, common=(1e-5, 0.1)),
-    "dilation_angle": Quantity("deg", "[-30, 60]", "dilation angle; 0 where not given", "5 deg", optional=True,
-                               common=(-10.0, 20.0)),
-    "cohesion": Quantity("kPa", "[0, 1e5]", "cohesion; 0 where not given", "5 kPa", optional=True,
-                         common=(0.05, 100.0)),
-}  # fmt: skip
+    "friction_angle_initial": Quantity("deg", "[0, 60]", _FIRST_YIELD, "5 deg", word="auto"),
+    "friction_angle_final": Quantity(
+        "deg", "[0, 60]", "friction angle when fully hardened", "30 deg", common=(20.0, 46.0)
+    ),
+    "hardening_parameter": Number("[1e-9, 10]", _HARDENS, 0.005, common=(1e-5, 0.1)),
+    "dilation_angle": Quantity("deg", "[-30, 60]", "dilation angle; 0 where not given", "5 deg", common=(-10.0, 20.0)),
+    "cohesion": Quantity("kPa", "[0, 1e5]", "cohesion; 0 where not given", "5 kPa", common=(0.05, 100.0)),
+}
 DEGRADATION: dict[str, Field] = {
-    "degradation_strain": Number("[1e-6, 0.1]", _DEGRADES, 2e-4, optional=True, common=(3e-5, 2e-3), constant=True),
-    "degradation_limit": Number("[0.01, 1]", _LEFT, 0.2, optional=True, constant=True),
+    "degradation_strain": Number("[1e-6, 0.1]", _DEGRADES, 2e-4, common=(3e-5, 2e-3), constant=True),
+    "degradation_limit": Number("[0.01, 1]", _LEFT, 0.2, constant=True),
 }
 
 

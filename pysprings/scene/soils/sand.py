@@ -36,11 +36,11 @@ _MOBILISES = "plastic strain over which the strength is mobilised, B; by the den
 _SOFTENS = "plastic strain over which peak and dilation fade to the critical state, F; 0.2 where not given"
 _CONTRACTS = "plastic contraction over shear strain at first yield; 0.4 where not given"
 _KEYS: dict[str, Field] = {
-    "relative_density": Number("[0.01, 1.2]", _DENSITY, 0.7, optional=True, common=(0.15, 1.0)),
-    "critical_friction_angle": Quantity("deg", "[20, 40]", _CRITICAL, "33 deg", optional=True, common=(29.0, 37.0)),
-    "mobilisation_strain": Number("[1e-4, 0.5]", _MOBILISES, 0.015, optional=True, common=(3e-3, 0.1)),
-    "softening_strain": Number("[0.01, 1e3]", _SOFTENS, 0.2, optional=True, common=(0.05, 0.5)),
-    "contraction": Number("[0, 1.5]", _CONTRACTS, 0.4, optional=True, common=(0.0, 1.0)),
+    "relative_density": Number("[0.01, 1.2]", _DENSITY, 0.7, common=(0.15, 1.0)),
+    "critical_friction_angle": Quantity("deg", "[20, 40]", _CRITICAL, "33 deg", common=(29.0, 37.0)),
+    "mobilisation_strain": Number("[1e-4, 0.5]", _MOBILISES, 0.015, common=(3e-3, 0.1)),
+    "softening_strain": Number("[0.01, 1e3]", _SOFTENS, 0.2, common=(0.05, 0.5)),
+    "contraction": Number("[0, 1.5]", _CONTRACTS, 0.4, common=(0.0, 1.0)),
 }
 
 

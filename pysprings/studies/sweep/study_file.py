@@ -43,9 +43,9 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 TAKEN = ("id", "status", "reason", "seconds", "hash", *NAMES)  # columns of cases.csv, and what study.nc has
 # Sections of a study file; what must not be missing is noted by the checks, so that all comes at once
 _Word = Annotated[str, Text("a name")]
-_Cases = Annotated[int | None, Count(1, MOST_CASES, "number of cases", optional=True)]
-_Seed = Annotated[int | None, Count(0, 2**32 - 1, "seed", optional=True)]
-_Values = Annotated[int | None, Count(2, MOST_CASES, "number of values", optional=True)]
+_Cases = Annotated[int | None, Count(1, MOST_CASES, "number of cases")]
+_Seed = Annotated[int | None, Count(0, 2**32 - 1, "seed")]
+_Values = Annotated[int | None, Count(2, MOST_CASES, "number of values")]
 
 
 class Sampling(Section):
