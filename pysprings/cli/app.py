@@ -52,27 +52,6 @@ WITH_DASK = ("sweep", "atlas", "size")  # commands that Dask runs, or that read 
 HELP: tuple[list[str], ...] = ([], ["-h"], ["--help"])  # arguments that ask for the list of commands
 
 
-def _load_all() -> None:
-    """Import the modules of all commands; where they stand in full, checks of the import graph read them."""
-    from pysprings.cli import (  # noqa: F401
-        atlas,
-        capacity,
-        compare,
-        compiling,
-        design,
-        element,
-        explore,
-        ground,
-        predict,
-        run,
-        scene,
-        size,
-        springs,
-        studies,
-        sweep,
-    )
-
-
 def _listed(command: Callable[..., None]) -> Callable[[], None]:
     """Return a command with the description of another, for the list of commands: it has no options to prepare."""
 
@@ -97,8 +76,6 @@ def application(command: str | None = None, listed: bool = False) -> typer.Typer
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback()(_options)
-    if command is None:
-        _load_all()
     for name in COMMANDS if command is None else (command,):
         function = getattr(importlib.import_module(f"pysprings.cli.{COMMANDS[name]}"), name)
         app.command(cls=Once)(_listed(function) if listed else guarded(function))

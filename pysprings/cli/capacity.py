@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,8 +21,7 @@ from pysprings.cli.options import (
     formats_of,
     option,
 )
-from pysprings.cli.support import interruptible, print_json, print_table, quantities, refuse, to_stderr
-from pysprings.core.progress import reporter
+from pysprings.cli.support import kept_in, print_files, print_json, print_table, quantities, refuse, to_stderr
 
 if TYPE_CHECKING:
     from pysprings.scene.model import Scene
@@ -96,15 +94,9 @@ def capacity(
     if springs is not None and not springs.exists():
         refuse("--springs", "no such file or folder", springs)
     model = None if springs is None else springs_or_table(springs, None)
-    try:
-        with interruptible(), reporter(sys.stderr) as progress:
-            outcome = study.study(
-                chosen, folder, request, progress, model, given, force, formats_of(figures, no_figures, figure_format),
-                jobs,
-            )  # fmt: skip
-    except KeyboardInterrupt:
-        to_stderr(f"what has run is kept in {folder}; the same command goes on")
-        raise
+    formats = formats_of(figures, no_figures, figure_format)
+    with kept_in(folder) as progress:
+        outcome = study.study(chosen, folder, request, progress, model, given, force, formats, jobs)
     if as_json:
         print_json({"folder": str(folder), **study.to_json(outcome)})
     else:
@@ -141,6 +133,4 @@ def _print(folder: Path, outcome: Capacity) -> None:
     if closing := picture.closing(outcome.table):
         print(f"\n{closing}")
     print()
-    for name, meaning in study.FILES.items():
-        if (folder / name).exists():
-            print(f"{folder / name}: {meaning}")
+    print_files(folder, study.FILES)

@@ -20,7 +20,7 @@ from typer.core import TyperCommand
 
 from pysprings.core.columns import Table
 from pysprings.core.errors import Problem, UserInputError, printable, refused
-from pysprings.core.progress import PlainLines, Progress
+from pysprings.core.progress import PlainLines, Progress, reporter
 from pysprings.core.text import json_text, plain_table, suggestion
 from pysprings.core.version import __version__
 
@@ -136,6 +136,24 @@ def interruptible() -> Iterator[None]:
     finally:
         for kind in kinds:
             signal.signal(kind, signal.SIG_DFL)
+
+
+@contextmanager
+def kept_in(folder: Path, quiet: bool = False) -> Iterator[Progress]:
+    """Give the progress of runs below a folder; an interrupt of the block names it: what has run is kept there."""
+    try:
+        with interruptible(), reporter(None if quiet else sys.stderr) as progress:
+            yield progress
+    except KeyboardInterrupt:
+        to_stderr(f"what has run is kept in {folder}; the same command goes on")
+        raise
+
+
+def print_files(folder: Path, meanings: Mapping[str, str]) -> None:
+    """Print the files that a folder holds, with their meaning by name."""
+    for name, meaning in meanings.items():
+        if (folder / name).exists():
+            print(f"{folder / name}: {meaning}")
 
 
 class Once(TyperCommand):

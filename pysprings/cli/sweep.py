@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,10 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pysprings.cli.options import Format, Json, argument, option
-from pysprings.cli.support import interruptible, print_json, print_table, refuse, to_stderr
+from pysprings.cli.support import kept_in, print_json, print_table, refuse, to_stderr
 from pysprings.core.columns import Table
 from pysprings.core.errors import RunIncomplete
-from pysprings.core.progress import reporter
 
 if TYPE_CHECKING:
     from pysprings.studies.sweep.study import Study
@@ -74,12 +72,8 @@ def sweep(
     if plan_only:
         ended = studies.planned(plan, folder, again)
     else:
-        try:
-            with interruptible(), reporter(None if quiet else sys.stderr) as progress:
-                ended = studies.sweep(plan, folder, Place(scheduler, jobs), progress, say, again)
-        except KeyboardInterrupt:
-            to_stderr(f"what has run is kept in {folder}; the same command goes on")
-            raise
+        with kept_in(folder, quiet) as progress:
+            ended = studies.sweep(plan, folder, Place(scheduler, jobs), progress, say, again)
     written = _outputs(ended, table or [], picture or [], over, figure_format)
     if as_json:
         counts = Counter(state.status for state in ended.states.values())

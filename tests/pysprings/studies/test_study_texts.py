@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pysprings.cli import study_runs
+from pysprings.cli import studies
 from pysprings.core import version
 from pysprings.full_model.accuracy.measures import LOAD, MEASURES, OTHER, PY, Reference
 from pysprings.full_model.accuracy.presets import settings
@@ -223,7 +223,7 @@ def studied() -> StudyResult:
 def test_documents_of_the_accuracy_study(tmp_path: File, capsys: pytest.CaptureFixture[str]) -> None:
     found = studied()
     (tmp_path / "accuracy.csv").touch()
-    study_runs._print_accuracy(tmp_path, found)
+    studies._print_accuracy(tmp_path, found)
     lines = ["--- the terminal", capsys.readouterr().out.replace(str(tmp_path), "OUT")]
     lines += ["--- accuracy.md", to_markdown(found, {"scene": "made up", "seconds on": "a machine"}, "accuracy.png")]
     noted = [
