@@ -133,13 +133,8 @@ def _round(values: Array, digits: int = _DIGITS) -> Any:
     """Return numbers as nested lists with this many digits; rounding errors beside the largest become 0."""
     values = np.nan_to_num(np.asarray(values, dtype=float))
     least = 1e-9 * float(np.abs(values).max(initial=0.0))
-    return _digits(np.where(np.abs(values) > least, values, 0.0), digits)
-
-
-def _digits(values: Array, digits: int) -> Any:
-    if values.ndim == 1:
-        return [float(f"{value:.{digits}g}") for value in values.tolist()]
-    return [_digits(row, digits) for row in values]
+    short = np.vectorize(lambda value: float(f"{value:.{digits}g}"), otypes=[float])
+    return short(np.where(np.abs(values) > least, values, 0.0)).tolist()
 
 
 # parts of the page that hold tables, and pictures that have an interactive twin there
@@ -190,30 +185,17 @@ def write_report(
         compare = read_comparison(place / "compare.csv")
     run = RunRecord.read(place) if run is None else run
     files = [Path(file) for file in figures] if figures is not None else pictures_in(place)
-    cases, live = load_cases.read_answers(place), live_parts(result)
-    return write_text(render(result, springs, compare, run, files, cases, live), place / "report.html")
+    data = ReportData(result, springs, compare, run, load_cases.read_answers(place))
+    return write_text(render(data, files, live_parts(result)), place / "report.html")
 
 
-def render(
-    result: xr.DataTree,
-    springs: xr.DataTree | None = None,
-    compare: pd.DataFrame | None = None,
-    run: RunRecord | None = None,
-    figures: Sequence[Path] = (),
-    cases: pd.DataFrame | None = None,
-    live: Live | None = None,
-) -> str:
+def render(data: ReportData, figures: Sequence[Path] = (), live: Live | None = None) -> str:
     """Return the report as HTML text.
 
-    result : Full model.
-    springs : Spring set; the equilibrium check is made on it, else on the result.
-    compare : Table of `pysprings.macro.comparison.compare`, one row per path and spring set.
-    run : Record of the run: cost by phase, what was left out.
     figures : Picture files, named as `pysprings.results.plots.save_all` names them.
-    cases : Answers to load cases (`pysprings design`), in SI.
     live : Interactive parts; None for a page without scripts.
     """
-    data = ReportData(result, springs, compare, run, cases)
+    result, run = data.result, data.run
     kinds = {name: path.attrs for name, path in data.paths.items()}
     return page_html(
         "report.html.j2",
@@ -227,7 +209,7 @@ def render(
         validity=validity.validity(result),
         tables={section: tables_of(section, data) for section in SECTIONS},
         pictures_of=pictures_by_part(figures, kinds, live is not None),
-        cases_drawn=[] if cases is None or springs is None else picture_of_cases(cases, springs),
+        cases_drawn=[] if data.cases is None or data.springs is None else picture_of_cases(data.cases, data.springs),
         live=live,
         paths=[
             PathPart(name, str(path.attrs.get("status", "")), tables_of("path", data, name))

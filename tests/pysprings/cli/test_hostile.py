@@ -20,6 +20,7 @@ from pysprings.core.tables import files as reader
 from pysprings.core.units import LARGEST, fault, unit_of_column
 from pysprings.results.exporters.tables import PY_COLUMNS
 from pysprings.results.folder import run_to_folder
+from pysprings.results.report.inputs import ReportData
 from pysprings.results.report.page import render
 from pysprings.springs.checks import name_fault, open_springs
 from tests.fuzz.tables import MINIMAL
@@ -92,7 +93,7 @@ def test_messages_and_tables_do_not_steer_the_terminal(capsys: pytest.CaptureFix
 def test_attributes_of_a_result_are_escaped_in_the_report() -> None:
     result = synthetic.make_result((synthetic.Path(steps=3),), synthetic.Caisson(rings=3))
     result.attrs["title"] = "</title><script>1</script>"
-    assert "<script>" not in render(result)
+    assert "<script>" not in render(ReportData(result))
 
 
 @pytest.mark.parametrize("name", ["=1+1", "@x", "+1", "-x", "..", "a/b", "a\x1bb", "x" * 61, " a"])

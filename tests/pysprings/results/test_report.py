@@ -114,7 +114,7 @@ def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.Dat
         left_out=[{"what": HOSTILE, "why": HOSTILE, "saved": {"unknowns": 1, "basis": HOSTILE}}],
     )
     compare = pd.DataFrame([{"path": HOSTILE, "springs": HOSTILE, "status": HOSTILE}])
-    text = report.render(hostile(result), springs, compare, run)
+    text = report.render(ReportData(hostile(result), springs, compare, run))
     page = Page(text)
     assert "script" not in {tag for tag, _ in page.tags}
     assert not any("onerror" in attrs for _, attrs in page.tags)
@@ -124,7 +124,7 @@ def test_hostile_text_is_escaped_everywhere(result: xr.DataTree, springs: xr.Dat
 
 
 def test_the_page_needs_nothing_beside_it(result: xr.DataTree, springs: xr.DataTree, pictures: list[Path]) -> None:
-    page = Page(report.render(result, springs, None, RUN, pictures))
+    page = Page(report.render(ReportData(result, springs, None, RUN), pictures))
     sources = [attrs["src"] for tag, attrs in page.tags if tag == "img"]
     assert len(sources) == 1 + 3  # the sketch, and of the known pictures one of each kind that the report shows
     assert all(source is not None and source.startswith("data:image/") for source in sources)
@@ -134,7 +134,7 @@ def test_the_page_needs_nothing_beside_it(result: xr.DataTree, springs: xr.DataT
 
 
 def test_a_picture_of_each_kind_stands_in_its_part(result: xr.DataTree, pictures: list[Path]) -> None:
-    page = Page(report.render(result, figures=[*pictures[::-1]]))
+    page = Page(report.render(ReportData(result), figures=[*pictures[::-1]]))
     assert page.pictures == [
         "p-y curves by depth, path pull",
         "Gap opening, at the last converged step, path pull",
@@ -157,7 +157,7 @@ def test_the_summary_is_first_and_every_link_of_the_contents_has_its_part(
     result: xr.DataTree, springs: xr.DataTree
 ) -> None:
     run = RUN.replace(summary={"loads": "H 4 MN"})
-    page = Page(report.render(result, springs, None, run))
+    page = Page(report.render(ReportData(result, springs, None, run)))
     assert "Macro-model against full model" not in page.text and validity.compare_table(pd.DataFrame()) is None
     heads = [
         page.text.rindex(word)
@@ -174,7 +174,7 @@ def test_interactive_parts_hold_one_library_and_allow_no_other_script(result: xr
     hostile_result["paths/pull"].attrs["role"] = "</script><script>alert(1)</script>"
     live = live_parts(hostile_result)
     assert live is not None
-    page = Page(report.render(hostile_result, live=live))
+    page = Page(report.render(ReportData(hostile_result), live=live))
     scripts = [attrs for tag, attrs in page.tags if tag == "script"]
     assert [attrs.get("id") for attrs in scripts] == ["run-data", "library", None]
     (policy,) = [str(attrs["content"]) for tag, attrs in page.tags if "content" in attrs and "http-equiv" in attrs]
@@ -190,7 +190,7 @@ def test_interactive_parts_hold_one_library_and_allow_no_other_script(result: xr
 
 def test_svg_is_taken_where_there_is_one(result: xr.DataTree, pictures: list[Path], tmp_path: Path) -> None:
     (tmp_path / "mesh.svg").write_bytes(SKETCH.read_bytes())
-    page = Page(report.render(result, figures=[tmp_path / "mesh.svg", *pictures]))
+    page = Page(report.render(ReportData(result), figures=[tmp_path / "mesh.svg", *pictures]))
     (mesh,) = [attrs for tag, attrs in page.tags if tag == "img" and attrs["alt"] == "Mesh in the symmetry plane"]
     assert str(mesh["src"]).startswith("data:image/svg+xml")
 
@@ -234,7 +234,7 @@ def test_numbers_stand_at_the_right_and_words_at_the_left(result: xr.DataTree, s
     heads = ("name", "p [kN/m]", "none", "H", "stations")
     assert Table("t", heads, rows).numeric == [False, True, False, True, False]
     assert not any(Table("t", heads, rows, head=False).numeric)
-    page = Page(report.render(result, springs, None, RUN))
+    page = Page(report.render(ReportData(result, springs, None, RUN)))
     cells = [attrs for tag, attrs in page.tags if tag == "td"]
     assert 50 < sum(attrs.get("class") == "number" for attrs in cells) < len(cells)
 
@@ -259,10 +259,10 @@ def test_a_table_from_outside(result: xr.DataTree, springs: xr.DataTree) -> None
         return [Table("Toy", ("path", "steps"), [(data.path, str(data.paths[data.path].sizes["step"]))]), None]
 
     with REPORT_TABLES.added(ReportTable("toy", "path", build)):
-        page = Page(report.render(result, springs, None, RUN))
+        page = Page(report.render(ReportData(result, springs, None, RUN)))
     assert {"pull21", "turn21"} <= set(page.text.split("\n"))
     assert page.text.count("Toy") == 2
-    assert "Toy" not in Page(report.render(result, springs, None, RUN)).text
+    assert "Toy" not in Page(report.render(ReportData(result, springs, None, RUN))).text
 
 
 def test_loads_at_a_tilt_are_interpolated_and_a_tilt_not_reached_is_a_dash(result: xr.DataTree) -> None:
@@ -399,7 +399,7 @@ def test_springs_by_depth_with_tip_and_lid(result: xr.DataTree, springs: xr.Data
     assert outside + inside == pytest.approx(total, rel=2e-3)
     assert table.rows[-1][0] == "lid"
     assert table.rows[-2][5] == f"H {number(float(path['H_tip'][-1]) * 1e-3)} kN"
-    assert "p net [kN/m]" in report.render(result, springs)
+    assert "p net [kN/m]" in report.render(ReportData(result, springs))
     assert spring_tables(None) == []
 
 
@@ -435,12 +435,12 @@ def test_without_pictures_it_loads_no_matplotlib(result: xr.DataTree, tmp_path: 
 
 def test_words_between_backticks_are_code_and_no_backtick_is_left(result: xr.DataTree, springs: xr.DataTree) -> None:
     assert report.marked("run `predict <OUT>` & go") == "run <code>predict &lt;OUT&gt;</code> &amp; go"
-    text = report.render(result, springs)
+    text = report.render(ReportData(result, springs))
     assert "<code>predict</code>" in text and "<code>--extrapolate</code>" in text
     assert "`" not in text
 
 
 def test_figures_fill_the_width_of_a_printed_page(result: xr.DataTree) -> None:
-    style = report.render(result).split("@media print {")[1].split("</style>")[0]
+    style = report.render(ReportData(result)).split("@media print {")[1].split("</style>")[0]
     (rule,) = re.findall(r"^\s*figure img \{(.*?)\}", style, re.M)
     assert "width: 100%" in rule and "object-fit: contain" in rule

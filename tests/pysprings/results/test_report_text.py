@@ -10,6 +10,7 @@ import xarray as xr
 
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.comparison import compare
+from pysprings.results.report.inputs import ReportData
 from pysprings.results.report.page import render
 from tests.support import stored, synthetic, vertical
 from tests.support.files import Outline
@@ -95,7 +96,7 @@ NONE = RunRecord(Status.COMPLETE, error_estimate={"estimate_pct": {}, "why_not":
 def test_all_that_a_report_says(made, run) -> None:
     result, springs = made()
     result.attrs["scene_toml"] = ""  # `test_report.py` has the inputs
-    text = render(result, springs, compare(springs), run)
+    text = render(ReportData(result, springs, compare(springs), run))
     about = "the report of the caisson of tests/support/invented_soil.py"
     lines = [ROUNDING.sub("rounding", line) for line in Outline(text).lines]
     assert len(lines) > 100
