@@ -88,7 +88,15 @@ def figures(
     pictures: Registry[Picture] = PICTURES,
 ) -> Iterator[tuple[str, Figure]]:
     """Yield (file name without suffix, figure) of the pictures that the result allows, in reading order."""
-    planned = [] if which == "none" else list(plan(result, springs, curves, pictures))
+    if which == "none":
+        return
+    view, plane = View(result, springs), section_data(result)
+    view = replace(view, section=None if plane is None else view.with_settings(plane))
+    whole = (picture for picture in pictures if picture.scope == "run" and picture.applies(view))
+    planned = [Planned(Drawn(picture.name, "", ""), picture, view) for picture in whole]
+    for name in drawn_paths(result):
+        path = view.with_settings(path_data(result, name))
+        planned += path_plan(replace(view, path=path, predictions=curves.get(name, {})), pictures)
     if which == "report":
         paths = {name: path.attrs for name, path in paths_of(result).items()}
         known = [each.place for each in planned]
@@ -96,24 +104,6 @@ def figures(
         planned = [each for each in planned if each.place in shown]
     for each in planned:
         yield each.place.stem, each.picture.draw(each.view)
-
-
-def plan(
-    result: xr.DataTree,
-    springs: xr.DataTree | None,
-    curves: Mapping[str, Mapping[str, xr.Dataset]],
-    pictures: Registry[Picture] = PICTURES,
-) -> Iterator[Planned]:
-    """Yield every picture that the result allows, in reading order; draw none."""
-    view = View(result, springs)
-    plane = section_data(result)
-    view = replace(view, section=None if plane is None else view.with_settings(plane))
-    for picture in pictures:
-        if picture.scope == "run" and picture.applies(view):
-            yield Planned(Drawn(picture.name, "", ""), picture, view)
-    for name in drawn_paths(result):
-        path = view.with_settings(path_data(result, name))
-        yield from path_plan(replace(view, path=path, predictions=curves.get(name, {})), pictures)
 
 
 def drawn_paths(result: xr.DataTree) -> list[str]:
