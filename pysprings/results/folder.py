@@ -28,7 +28,8 @@ from pysprings.macro.spring_sets import with_stored
 from pysprings.model.forecast.resources import refuse_full_disk
 from pysprings.results import plots
 from pysprings.results.exporters import EXPORTERS, Source, Target, export
-from pysprings.results.exporters.csv import write_frame, write_load_displacement
+from pysprings.results.exporters.csv import write_frame
+from pysprings.results.exporters.tables import load_displacement
 from pysprings.results.layout import FIGURES, PARAVIEW, own_folders, refuse_linked_folders, remove_results
 from pysprings.results.report.page import write_report
 from pysprings.results.summary import summary
@@ -238,7 +239,7 @@ class _Files(Sink):
             write_tree(computed.recorded(), folder / "full_model.nc")
             _write_record(folder, record.as_dict() | {"status": WRITING})
             if {"paths", "space"} & set(source.result.children):
-                write_load_displacement(source.result, folder / "load_displacement.csv")
+                write_frame(load_displacement(source.result), folder / "load_displacement.csv")
         if self.has_springs:
             self._made(record, "springs.nc", lambda: save_springs(source.springs, folder / "springs.nc"))
             record.balance = {name: balance(path.dataset) for name, path in paths_of(source.springs).items()}

@@ -7,7 +7,8 @@ import pandas as pd
 import xarray as xr
 
 from pysprings.results.exporters import export
-from pysprings.results.exporters.csv import write_frame, write_load_displacement
+from pysprings.results.exporters.csv import write_frame
+from pysprings.results.exporters.tables import load_displacement
 
 
 def tables(folder: Path, springs: xr.DataTree) -> list[Path]:
@@ -19,7 +20,7 @@ def tables(folder: Path, springs: xr.DataTree) -> list[Path]:
 def all_tables(folder: Path, springs: xr.DataTree, result: xr.DataTree, comparison: pd.DataFrame) -> None:
     """Write the CSV tables of a run: springs, loads, comparison."""
     tables(folder, springs)
-    write_load_displacement(result, folder / "load_displacement.csv")
+    write_frame(load_displacement(result), folder / "load_displacement.csv")
     write_frame(comparison, folder / "compare.csv")
 
 

@@ -13,7 +13,7 @@ from pysprings.core.storage import write_text
 from pysprings.core.text import json_text
 from pysprings.macro.spring_sets import with_stored
 from pysprings.results.exporters.base import Exported, Options, Source, Target
-from pysprings.results.exporters.tables import load_displacement, py_long, py_wide
+from pysprings.results.exporters.tables import py_long, py_wide
 from pysprings.springs.checks import save_springs
 from pysprings.springs.path import paths_of
 
@@ -30,11 +30,6 @@ def py_text(source: Source, _options: Options) -> str:
 def wide_text(source: Source, _options: Options) -> str:
     """Return the wide p-y table (rows are steps, a pair of columns y, p for each slice) as CSV text."""
     return csv_text(py_wide(source.tables))
-
-
-def write_load_displacement(result: xr.DataTree, path: str | os.PathLike[str]) -> Path:
-    """Write loads and displacements of the whole caisson by step; return the path."""
-    return write_frame(load_displacement(result), path)
 
 
 def write_frame(frame: pd.DataFrame, path: str | os.PathLike[str]) -> Path:

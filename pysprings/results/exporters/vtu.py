@@ -4,7 +4,6 @@
 import base64
 import re
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -12,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.errors import refused
-from pysprings.core.storage import write_text
 from pysprings.core.variables import STRESSES
 from pysprings.results.exporters.base import Exported, Options, Source, Target
 from pysprings.springs.path import paths_of
@@ -22,39 +20,30 @@ _HEXAHEDRON = 12  # VTK's number of the cell; its corners are in the order of ou
 
 
 def write(source: Source, target: Target, _options: Options) -> Exported:
-    """Write the files of all paths into a folder."""
-    return Exported(write_paraview(source.result, target.path, target.note))
+    """Write the files of all paths of a result with a group `volume` into a folder; name the `.pvd` files.
 
-
-def write_paraview(result: xr.DataTree, folder: Path, note: Callable[[Path], object] | None = None) -> list[Path]:
-    """Write the files of all paths of a result with a group `volume`; return the `.pvd` files.
-
-    A step file that the `.pvd` before this one lists, and this one does not, is removed. `note` is called with each
-    file when it is written.
+    A step file that the `.pvd` before this one lists, and this one does not, is removed.
     """
-    if "volume" not in result.children:
+    if "volume" not in source.result.children:
         raise refused("paraview", "holds no whole model: run the scene with [output] paraview = true")
-    mesh = result.children["volume"].to_dataset(inherit=False)
-    folder.mkdir(parents=True, exist_ok=True)
-    done = note or (lambda _: None)
-    return [_write_path(mesh, path.recorded, name, folder, done) for name, path in paths_of(result).items()]
+    mesh = source.result.children["volume"].to_dataset(inherit=False)
+    target.path.mkdir(parents=True, exist_ok=True)
+    paths = paths_of(source.result).items()
+    return Exported([_write_path(mesh, path.recorded, name, target) for name, path in paths])
 
 
-def _write_path(mesh: xr.Dataset, path: xr.Dataset, name: str, folder: Path, note: Callable[[Path], object]) -> Path:
+def _write_path(mesh: xr.Dataset, path: xr.Dataset, name: str, target: Target) -> Path:
     """Write every step of a path and the list of them."""
-    for old in _steps_listed(folder, name):
+    for old in _steps_listed(target.path, name):
         old.unlink(missing_ok=True)  # of a longer run
     time, rows = path["time"].values, []
     timed = bool(np.all(np.diff(time) > 0.0))
     for step in range(path.sizes["step"]):
-        file = folder / f"{name}_{step:04d}.vtu"
-        note(write_text(_grid(mesh, path.isel(step=step)), file))
+        file = target.write(f"{name}_{step:04d}.vtu", _grid(mesh, path.isel(step=step)))
         when = float(time[step]) if timed else float(step)
         rows.append(f'<DataSet timestep="{when:.9g}" group="" part="0" file={quoteattr(file.name)}/>')
     body = "\n".join(rows)
-    listing = write_text(_wrapped("Collection", f"<Collection>\n{body}\n</Collection>"), folder / f"{name}.pvd")
-    note(listing)
-    return listing
+    return target.write(f"{name}.pvd", _wrapped("Collection", f"<Collection>\n{body}\n</Collection>"))
 
 
 def _steps_listed(folder: Path, name: str) -> list[Path]:

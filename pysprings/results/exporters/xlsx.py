@@ -6,11 +6,9 @@ leaves the plane of x), stiffness 6x6, tidy (a row for each path, step and depth
 paths below each other: columns path and step, then the values; every heading has its unit and a filter.
 """
 
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -309,15 +307,9 @@ KN, MM = 1e-3, 1e3
 
 
 def write(source: Source, target: Target, _options: Options) -> Exported:
-    """Write the workbook of springs."""
-    return Exported([write_workbook(source, target.path)])
-
-
-def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
-    """Write the workbook atomically; return its path."""
-    springs = source.tables
-    # in memory: no temporary file is left elsewhere
-    with replacing(path) as temporary, xlsxwriter.Workbook(str(temporary), {**PLAIN_CELLS, "in_memory": True}) as file:
+    """Write the workbook of springs atomically."""
+    springs, options = source.tables, {**PLAIN_CELLS, "in_memory": True}  # no temporary file is left elsewhere
+    with replacing(target.path) as temporary, xlsxwriter.Workbook(str(temporary), options) as file:
         about = {"title": str(springs.attrs.get("title", "")), "comments": str(springs.attrs.get("source", ""))}
         file.set_properties(about)
         book = Book(file, springs)
@@ -335,7 +327,7 @@ def write_workbook(source: Source, path: str | os.PathLike[str]) -> Path:
         _stiffness(book, book.sheet("stiffness 6x6"))
         add_charts(book, charts, spring_sets(source.springs))
         _tidy(book, book.sheet("tidy"))
-    return Path(path)
+    return Exported([target.path])
 
 
 def _about(book: Book, sheet: Any, source: Source) -> None:

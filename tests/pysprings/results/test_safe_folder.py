@@ -16,7 +16,7 @@ from pysprings.full_model.accuracy import two_mesh
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.results import plots
-from pysprings.results.exporters.vtu import write_paraview
+from pysprings.results.exporters import export
 from pysprings.results.folder import NOT_YET, run_or_go_on, run_to_folder
 from pysprings.results.layout import FIGURES, PARAVIEW, run_files
 from pysprings.studies import stored_runs
@@ -195,7 +195,7 @@ def test_a_study_that_forgets_a_run_has_its_pictures_removed_by_the_next(tmp_pat
 
 def test_paraview_files_of_a_longer_run_go_by_their_list(tmp_path: Path) -> None:
     result = compute(tiny.scene(output={"paraview": True})).recorded()
-    write_paraview(result, tmp_path)
+    export(result, "paraview", tmp_path)
     listing = tmp_path / "pull.pvd"
     lines = listing.read_text()
     listing.write_text(
@@ -203,7 +203,7 @@ def test_paraview_files_of_a_longer_run_go_by_their_list(tmp_path: Path) -> None
     )
     for name in ("pull_0777.vtu", "pull_0888.vtu"):
         (tmp_path / name).write_text("x")
-    write_paraview(result, tmp_path)
+    export(result, "paraview", tmp_path)
     assert not (tmp_path / "pull_0777.vtu").exists()
     assert (tmp_path / "pull_0888.vtu").read_text() == "x"
     assert listing.read_text() == lines

@@ -14,7 +14,7 @@ import xarray as xr
 from pysprings.core.errors import UserInputError
 from pysprings.full_model.compute import compute
 from pysprings.model.build import build_model
-from pysprings.results.exporters.vtu import write_paraview
+from pysprings.results.exporters import export
 from pysprings.results.folder import run_to_folder
 from tests.support import tiny
 from tests.support.commands import command
@@ -46,7 +46,7 @@ def read(file: Path) -> dict[str, np.ndarray]:
 
 
 def test_files_hold_the_model(tmp_path: Path) -> None:
-    (listed,) = write_paraview(result(), tmp_path)
+    (listed,) = export(result(), "paraview", tmp_path).files
     assert listed.name == "pull.pvd"
     steps = ET.parse(listed).getroot().findall("Collection/DataSet")
     path = result()["paths/pull"].to_dataset()
@@ -104,7 +104,7 @@ def test_elastic_soil_has_no_plastic_strain_in_the_volume() -> None:
 
 def test_a_result_without_the_whole_model_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UserInputError, match=r"run the scene with \[output\] paraview = true"):
-        write_paraview(tiny.result(), tmp_path)
+        export(tiny.result(), "paraview", tmp_path)
     assert "volume" not in tiny.result().children
 
 
@@ -125,7 +125,7 @@ def test_run_and_export_write_them_and_a_new_run_clears_them(tmp_path: Path) -> 
 
 def test_vtk_reads_them(tmp_path: Path) -> None:
     vtk = pytest.importorskip("vtk", reason="vtk is not installed")
-    write_paraview(result(), tmp_path)
+    export(result(), "paraview", tmp_path)
     reader = vtk.vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(sorted(tmp_path.glob("pull_*.vtu"))[-1]))
     reader.Update()

@@ -9,8 +9,7 @@ from pathlib import Path
 import openpyxl
 import pytest
 
-from pysprings.results.exporters.base import Source
-from pysprings.results.exporters.xlsx import write_workbook
+from pysprings.results.exporters import export
 from tests.support import synthetic
 
 OFFICE = shutil.which("soffice") or shutil.which("libreoffice")
@@ -20,7 +19,8 @@ MOST_PAGES = 3 + len(PATHS) + 7 + 3  # about, charts, data, stiffness
 
 @pytest.fixture(scope="module")
 def workbook(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_workbook(Source(synthetic.make_springs(PATHS)), tmp_path_factory.mktemp("book") / "springs.xlsx")
+    file = tmp_path_factory.mktemp("book") / "springs.xlsx"
+    return Path(export(synthetic.make_springs(PATHS), "xlsx", file).files[0])
 
 
 @pytest.mark.slow
