@@ -106,8 +106,11 @@ def py_long(springs: xr.DataTree) -> pd.DataFrame:
     frames = []
     for name, recorded in paths_of(springs).items():
         path = recorded.recorded
-        by_depth = [_tz_rows(path)] if recorded.is_vertical else [_py_rows(path), _mtheta_rows(path)]
-        for family in (*by_depth, _end_rows(path, "base"), _end_rows(path, "lid")):
+        if recorded.is_vertical:
+            along = [_side_rows(path, "tz", {"t_N_per_m": "t"})]
+        else:
+            along = [_py_rows(path), _side_rows(path, "mtheta", {"m_Nm_per_m": "m", "t_N_per_m": "t"})]
+        for family in (*along, _end_rows(path, "base"), _end_rows(path, "lid")):
             family.insert(0, "path", name)
             frames.append(family)
     # integer columns and texts stay what they are; a missing column becomes blank cells
@@ -130,14 +133,10 @@ def _py_rows(path: xr.Dataset) -> pd.DataFrame:
     return _rows(path, "py", labels, {"p_N_per_m": p})
 
 
-def _mtheta_rows(path: xr.Dataset) -> pd.DataFrame:
-    m, t = (with_net(path[name].transpose("depth", "side", "step").values, 1) for name in ("m", "t"))
-    return _rows(path, "mtheta", {"side": _SIDES}, {"m_Nm_per_m": m, "t_N_per_m": t})
-
-
-def _tz_rows(path: xr.Dataset) -> pd.DataFrame:
-    t = with_net(path["t"].transpose("depth", "side", "step").values, 1)
-    return _rows(path, "tz", {"side": _SIDES}, {"t_N_per_m": t})
+def _side_rows(path: xr.Dataset, family: str, names: dict[str, str]) -> pd.DataFrame:
+    """Return the rows of variables by side, named by column."""
+    sides = {column: path[name].transpose("depth", "side", "step").values for column, name in names.items()}
+    return _rows(path, family, {"side": _SIDES}, {column: with_net(each, 1) for column, each in sides.items()})
 
 
 def _rows(path: xr.Dataset, family: str, labels: dict[str, tuple[str, ...]], values: dict[str, Any]) -> pd.DataFrame:

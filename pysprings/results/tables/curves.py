@@ -85,11 +85,8 @@ def _typed(table: Table, family: str | None) -> pd.DataFrame:
     frame["family"] = words.replace(OF_BEAM)
     known = frame["family"].isin(FAMILIES)
     for other in frame[~known].itertuples(index=False):
-        table.faults.at(
-            other,
-            "family",
-            f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}{suggestion(str(other.family), FAMILIES)}",
-        )
+        hint = suggestion(str(other.family), FAMILIES)
+        table.faults.at(other, "family", f"{quoted(other.family)} is not one of {', '.join(FAMILIES)}{hint}")
     return frame[known]
 
 
@@ -108,14 +105,9 @@ _FAMILIES = ("py", "mtheta")  # of PAIRS
 _OF_LATERAL = ("y_m", "p_N_per_m", "m_Nm_per_m")  # blank on a vertical path
 
 
-def is_wide(head: list[str]) -> bool:
-    """Return whether a heading is that of a wide table."""
-    return any((heading := parse(name)) is not None and heading[0] in PAIRS[0] for name in head)
-
-
 def unfold(head: list[str], lines: Lines) -> tuple[list[str], Lines]:
     """Return heading and lines of the long format, other tables as they are; other columns stay for the checks."""
-    if not is_wide(head):
+    if not any((heading := parse(name)) is not None and heading[0] in PAIRS[0] for name in head):
         return head, lines
     by_depth: dict[Place, dict[str, int]] = {}  # depth and slice -> quantity -> column
     for column, text in enumerate(head):
@@ -225,8 +217,8 @@ def _assumed(first: pd.DataFrame, depth: Array, skirt_length: float | None, faul
     above = middle[-1] if middle.size else 0.0
     bottom = skirt_length if skirt_length is not None else 2.0 * depth[-1] - above
     if bottom <= above or bottom < depth[-1]:
-        file, line = str(first["file"].iloc[-1]), int(first["line"].iloc[-1])
-        faults.add((file, line), "depth_m", f"{depth[-1]:g} m is below the skirt length of {bottom:g} m")
+        text = f"{depth[-1]:g} m is below the skirt length of {bottom:g} m"
+        faults.add(place_of(first.tail(1)), "depth_m", text)
     edges = np.concatenate([[0.0], middle, [bottom]])
     length = "the skirt length" if skirt_length is not None else "assumed skirt length"
     note = f"slices end half way between the depths of the table, the last one at {bottom:g} m ({length})"
@@ -253,8 +245,8 @@ def _check_slices(first: pd.DataFrame, depth: Array, bounds: Array, skirt_length
             faults.at(row, "depth_top_m", f"{kind} of {abs(gap):g} m {words} {what}: slices must touch, from 0 on")
         above = bottom
     if skirt_length is not None and abs(above - skirt_length) > ROUNDING * size:
-        place = (str(first["file"].iloc[-1]), int(first["line"].iloc[-1]))
-        faults.add(place, "depth_bottom_m", f"slices end at {above:g} m, not at the skirt length {skirt_length:g} m")
+        text = f"slices end at {above:g} m, not at the skirt length {skirt_length:g} m"
+        faults.add(place_of(first.tail(1)), "depth_bottom_m", text)
 
 
 _COLUMNS = {  # family -> (spring, displacement, reaction)
@@ -279,8 +271,11 @@ def build_curves(rows: pd.DataFrame, skirt_length: float | None, faults: Faults)
         depth, bounds, note = slices(parts["py"], skirt_length, faults)
         curves = [curve for family, part in parts.items() for curve in _curves(family, part, faults)]
         if not faults.problems:
-            found = _on_depths(curves, depth, parts, faults)
-            sets[str(name) or "table"] = CurveSet(depth, bounds, found, note, bool(own["straight"].any()))
+            sets[str(name) or "table"] = CurveSet(depth, bounds, curves, note, bool(own["straight"].any()))
+            for curve in curves:
+                if curve.name == "m" and curve.depth not in depth:
+                    place = place_of(parts["mtheta"][parts["mtheta"]["depth_m"] == curve.depth])
+                    faults.add(place, "depth_m", f"{curve.depth:g} m has a distributed moment and no p-y curve")
     faults.stop()
     return CurveSprings(str(rows["file"].iloc[0]), sets)
 
@@ -334,13 +329,3 @@ def _why_not_growing(row: Any, q: float, last: float, first: float) -> str:
         )
     word = "stands twice at its depth" if q == last else f"does not grow ({last:g} before)"
     return f"{q:g} {word}: a curve needs one value a displacement, in order"
-
-
-def _on_depths(curves: list[Curve], depth: Array, parts: dict[str, pd.DataFrame], faults: Faults) -> list[Curve]:
-    """Return the curves; note moments at depths where there is no p."""
-    for curve in curves:
-        if curve.name == "m" and curve.depth not in depth:
-            rows = parts["mtheta"]
-            place = place_of(rows[rows["depth_m"] == curve.depth])
-            faults.add(place, "depth_m", f"{curve.depth:g} m has a distributed moment and no p-y curve")
-    return curves

@@ -91,16 +91,17 @@ def _path(rows: pd.DataFrame, faults: Faults) -> xr.Dataset | None:
         for each in own.problems:
             faults.add((each.file or "", each.line), each.key, each.message)
         return None
-    return _assembled(depth, bounds, grids, families, faults)
+    before = len(faults.problems)
+    _check_motion(depth, bounds[-1, 1], grids["py"], families, faults)
+    _check_sizes(depth.size, grids, families, faults)
+    return None if len(faults.problems) > before else _dataset(depth, bounds, grids)
 
 
 def _vertical_path(families: dict[str, pd.DataFrame], faults: Faults) -> xr.Dataset | None:
     """Return a path of t(z), tip and lid over w as a dataset; None where it has faults."""
-    own = Faults()
-    place = place_of(families["tz"])
+    own, place = Faults(), place_of(families["tz"])
     if set(families) != set(_DOWN):
-        own.add(place, "family", "a vertical path has the families tz, base and lid, and no others")
-        faults.problems += own.problems
+        faults.add(place, "family", "a vertical path has the families tz, base and lid, and no others")
         return None
     depth, bounds, _ = slices(net_rows(families["tz"], own), None, own)
     grids = {name: _grid(net_rows(part, own), name, own, _DOWN[name]) for name, part in families.items()}
@@ -144,16 +145,6 @@ def _grid(part: pd.DataFrame, family: str, faults: Faults, columns: tuple[str, .
     if faults.problems:
         return {}
     return {name: once[name].to_numpy(dtype=float).reshape(shape) for name in (*columns, *_SPARE, "line", "step")}
-
-
-def _assembled(
-    depth: Array, bounds: Array, grids: dict[str, Grid], families: dict[str, pd.DataFrame], faults: Faults
-) -> xr.Dataset | None:
-    """Return the path of the grids (depth, step) of each family; None with faults, which are added."""
-    before = len(faults.problems)
-    _check_motion(depth, bounds[-1, 1], grids["py"], families, faults)
-    _check_sizes(depth.size, grids, families, faults)
-    return None if len(faults.problems) > before else _dataset(depth, bounds, grids)
 
 
 def _motion(depth: Array, py: Grid) -> tuple[Array, Array]:
