@@ -15,24 +15,7 @@ from matplotlib.ticker import NullFormatter
 from pysprings.core.path_kinds import driven
 from pysprings.core.storage import read_tree
 from pysprings.full_model.accuracy import measures
-from pysprings.full_model.accuracy.measures import (
-    LOAD,
-    NEEDED,
-    OTHER,
-    Curve,
-    Grid,
-    Reference,
-    Sample,
-    cell_size,
-    common_grids,
-    curves_of,
-    driver_of,
-    leading,
-    load_of,
-    other_of,
-    sampled,
-    samples,
-)
+from pysprings.full_model.accuracy.measures import LOAD, OTHER, Curve, Grid, Reference, Sample
 from pysprings.full_model.accuracy.presets import BRICKS, FOURIER, MESH, Setting
 from pysprings.full_model.accuracy.target import JUDGED
 from pysprings.full_model.run_record import RunRecord, Status
@@ -194,11 +177,11 @@ def _curve(path: SpringPath, trace: xr.Dataset) -> Curve | None:
     states = full.isel(step=slice(0, n)).assign({name: ("step", trace[name].values) for name in ("H", "M", "rotation")})
     if driven(path.attrs) == "rotation":  # what is imposed is the full model's
         states = states.assign(rotation=("step", full["rotation"].values[:n]))
-    x = driver_of(states, path.length)
-    rising = leading(x) if n else np.zeros(0, dtype=int)
+    x = measures.driver_of(states, path.length)
+    rising = measures.leading(x) if n else np.zeros(0, dtype=int)
     if rising.size < 2:
         return None
-    by_x = {LOAD: load_of(states), OTHER: other_of(states)}
+    by_x = {LOAD: measures.load_of(states), OTHER: measures.other_of(states)}
     none = np.zeros((0, rising.size))
     return Curve(x[rising], {name: v[rising] for name, v in by_x.items() if v is not None}, none, none, float("nan"))
 
@@ -282,10 +265,10 @@ def assess(runs: Sequence[Ended]) -> StudyResult:
     could not be extrapolated: the uncertainty stands in the place of its error, and the column `reference` names it.
     """
     complete = [each for each in runs if each.complete]
-    curves = {each.setting.name: curves_of(open_result(each.folder)) for each in complete}
+    curves = {each.setting.name: measures.curves_of(open_result(each.folder)) for each in complete}
     series = _series(complete)
-    grids = common_grids(curves) if series else {}
-    by_path = samples(curves, grids)
+    grids = measures.common_grids(curves) if series else {}
+    by_path = measures.samples(curves, grids)
     truths = {kind: _truth(each, grids, by_path) for kind, each in series.items()}
     kind = _better(series)
     truth = truths.get(kind, Truth(grids, {}, {}, ""))
@@ -317,7 +300,7 @@ def _series(complete: Sequence[Ended]) -> dict[str, list[Ended]]:
 
 def _better(series: Mapping[str, Sequence[Ended]]) -> str:
     """Return the discretisation whose limit is the reference: Fourier series where there are meshes enough."""
-    enough = len(series.get(FOURIER, ())) >= NEEDED or BRICKS not in series
+    enough = len(series.get(FOURIER, ())) >= measures.NEEDED or BRICKS not in series
     return FOURIER if enough and FOURIER in series else BRICKS
 
 
@@ -325,7 +308,7 @@ def _truth(
     series: Sequence[Ended], grids: Mapping[str, Grid], by_path: Mapping[str, Mapping[str, Sample]]
 ) -> Truth:  # fmt: skip
     """Make the reference of each path from the runs of the series, the finest last."""
-    h = [cell_size(_unknowns(each), _record(each).mesh.harmonics) for each in series]
+    h = [measures.cell_size(_unknowns(each), _record(each).mesh.harmonics) for each in series]
     references = {
         path: measures.reference_of([own[each.setting.name] for each in series], h) for path, own in by_path.items()
     }
@@ -350,7 +333,7 @@ def _changes_alone(curves: Mapping[str, Mapping[str, Curve]], complete: Sequence
     for each in complete:
         base = plain.get(each.setting.mesh_key)
         if each.setting.group != MESH and base is not None:
-            both = samples({"own": curves[each.setting.name], "base": curves[base]})
+            both = measures.samples({"own": curves[each.setting.name], "base": curves[base]})
             differences = [measures.errors(one["own"], one["base"]) for one in both.values()]
             changes[each.setting.name] = measures.worst(differences)["load_max"]
     return changes
@@ -403,7 +386,7 @@ def _macro_rows(each: Ended, truth: Truth) -> list[dict[str, Any]]:
         for path in lateral:
             curve, x = answer.paths.get(path), truth.grids[path].x
             if curve is not None and curve.x[-1] >= x[-1] * (1.0 - 1e-9):  # else it did not get as far
-                answers = sampled(curve, Grid(x, np.zeros((0, x.size))))
+                answers = measures.sampled(curve, Grid(x, np.zeros((0, x.size))))
                 compared[path] = {name: answers[name] for name in (LOAD, OTHER) if name in answers}
         complete = 0 < len(compared) == len(lateral)
         rows.append({
