@@ -27,23 +27,10 @@ from pysprings.macro.fan import FanTable, has_fan
 from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import row_values
 from pysprings.macro.vertical import Branch
+from pysprings.results.exporters import uniaxial_curve
 from pysprings.results.exporters.base import RINGS, VIRTUAL, ZONE, Options, Source
 from pysprings.results.exporters.header import header, springs_at, torsion_words
-from pysprings.results.exporters.uniaxial_curve import (
-    FAR,
-    KNOTS,
-    SCALES,
-    SIZES,
-    Spring,
-    Table,
-    cosines,
-    curves,
-    in_planes,
-    spread,
-    table,
-    together,
-    with_far,
-)
+from pysprings.results.exporters.uniaxial_curve import FAR, KNOTS, SCALES, SIZES, Spring, Table
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import slice_heights
@@ -92,7 +79,7 @@ def _fit(
     L = table.length
     loads = np.array([model.reactions(u, v / L)[0] / [1.0, L] for u, v in states])
     along = np.stack([np.cos(directions), np.sin(directions)])  # (2, directions)
-    forces = in_planes(states @ along, reach, planes)  # (states, directions, scales)
+    forces = uniaxial_curve.in_planes(states @ along, reach, planes)  # (states, directions, scales)
     turned = np.arctan2(states[:, 1], states[:, 0]) % np.pi
     weight = np.where(turned <= PULLS, pulls, 1.0) / np.linalg.norm(loads, axis=1)
     columns = np.einsum("id,sdk->sidk", along, forces) * weight[:, None, None, None]
@@ -120,7 +107,7 @@ def _states(table: FanTable) -> Array:
 def _row(angle: float, weights: Array, reach: float, length: float) -> Row:
     """Return the spring of a direction: lateral at depth -L tan(angle), or rotational at -90 deg."""
     q = KNOTS * reach  # component of (u, rotation L) in the direction
-    r = curves(q, reach) @ weights
+    r = uniaxial_curve.curves(q, reach) @ weights
     if abs(np.cos(angle)) < 1e-6:
         return Row("virtual", 0.0, "rotation", (0.0, 1.0), (0.0, 1.0), q / length, r * length)
     depth = float(-length * np.tan(angle))
@@ -151,7 +138,7 @@ class Uniaxial:
     @property
     def between(self) -> MacroModel:
         """Macro-model of a motion in the middle between two planes."""
-        return self.model.on_rows(together(self.rows, self.planes, between=True))
+        return self.model.on_rows(uniaxial_curve.together(self.rows, self.planes, between=True))
 
 
 def uniaxial(
@@ -187,10 +174,10 @@ def uniaxial(
     else:
         assert isinstance(model.table, SpringTable)
         made, lost = _represent(model.table, model.origin)
-        made = spread(_loaded(made), planes)
+        made = uniaxial_curve.spread(_loaded(made), planes)
     if not made.name:
         raise refused("springs", f"the set '{chosen}' has no springs")
-    own = replace(model.on_rows(together(made, planes)), spring_set=chosen)
+    own = replace(model.on_rows(uniaxial_curve.together(made, planes)), spring_set=chosen)
     heights = dict(zip(model.origin.depth.tolist(), slice_heights(model.origin.recorded).tolist(), strict=True))
     return Uniaxial(own, made, planes, (*lateral(made, heights), *_vertical(own)), tuple(lost))
 
@@ -301,7 +288,7 @@ def _change(branch: Branch, x: Array) -> Array:
 
 def tables(made: Uniaxial, points: int) -> list[Table]:
     """Return every spring as a table of at most `points` points within its range, with two far ones."""
-    return [with_far(table(spring, points)) for spring in made.springs]
+    return [uniaxial_curve.with_far(uniaxial_curve.table(spring, points)) for spring in made.springs]
 
 
 def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
@@ -313,7 +300,7 @@ def with_tables(made: Uniaxial, given: list[Table]) -> MacroModel:
             a = (1.0, -depth) if lateral else (0.0, 1.0)
             q, f = each.within()
             rows.append(Row(each.spring.name, depth, "y" if lateral else "rotation", a, a, q[q >= 0.0], f[q >= 0.0]))
-    return made.model.on_rows(together(stack(rows, straight=True), made.planes))
+    return made.model.on_rows(uniaxial_curve.together(stack(rows, straight=True), made.planes))
 
 
 def _is_under(path: SpringPath, V: float) -> bool:
@@ -446,7 +433,7 @@ def masing_loads(made: Uniaxial, tables: list[Table], u: Array, rotation: Array)
         q, f = each.q[each.q >= 0.0], each.f[each.q >= 0.0]
         lateral = each.spring.direction == "lateral"
         read = u - each.spring.depth * rotation if lateral else rotation
-        force = sum(n * c * masing(q, f, c * read) for c, n in zip(*cosines(made.planes), strict=True))
+        force = sum(n * c * masing(q, f, c * read) for c, n in zip(*uniaxial_curve.cosines(made.planes), strict=True))
         H += force if lateral else 0.0
         M += -force * each.spring.depth if lateral else force
     return H, M
