@@ -232,7 +232,7 @@ SCHEMA = "pysprings-study-3"  # of study.nc, and of what a case holds
 DONE, SHORT, FAILED, STOPPED, WAITING, SKIP, AGAIN = (
     "complete", "partial", "failed", "stopped", "waiting", "skip", "again",
 )  # fmt: skip
-ENDED = (DONE, SHORT, FAILED)
+OPEN = (WAITING, STOPPED)  # of cases that are still to be run
 
 
 @dataclass(frozen=True)

@@ -20,18 +20,7 @@ from pysprings.core.progress import Progress, duration
 from pysprings.core.storage import remove_leftovers, write_text
 from pysprings.core.written import exclusive, new_folder, own_folder
 from pysprings.studies.sweep import worker
-from pysprings.studies.sweep.plan import (
-    AGAIN,
-    CASES,
-    SKIP,
-    STOPPED,
-    WAITING,
-    Case,
-    Plan,
-    State,
-    read_cases,
-    write_cases,
-)
+from pysprings.studies.sweep.plan import AGAIN, CASES, OPEN, SKIP, STOPPED, Case, Plan, State, read_cases, write_cases
 
 STUDY = "study.json"
 _AHEAD = 4  # cases that wait at the scheduler for each that runs
@@ -95,7 +84,7 @@ def sweep(
         remove_leftovers(out, own_folder(out, worker.FOLDER))
         study = _opened(plan, out, again)
         study.write(force=True)
-        waiting = [case for case in study.plan.cases if study.states[case.number].status in _OPEN]
+        waiting = [case for case in study.plan.cases if study.states[case.number].status in OPEN]
         try:
             if waiting:
                 _run(study, waiting, place, progress, say)
@@ -111,9 +100,6 @@ def planned(plan: Plan, out: Path, again: bool = False) -> Study:
         study = _opened(plan, out, again)
         study.write(force=True)
         return study
-
-
-_OPEN = (WAITING, STOPPED)
 
 
 def _opened(plan: Plan, out: Path, again: bool) -> Study:
