@@ -80,7 +80,7 @@ def design(
         return answer_group(springs, read, placed, tolerance, extrapolate, **more)
 
     answers, table, springs = _answers(result, strict, rate, answer)
-    if strict and not text.is_fine(table):
+    if strict and (table["verdict"] != text.OK).any():
         refuse("--strict", text.closing(table))
     record = RunRecord.read(result) if result.is_dir() else None
     about = {"answered by": str(result), "load cases": str(used), "tilt tolerated": _tolerance(table)}

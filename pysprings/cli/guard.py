@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import replace
-from typing import Any, ParamSpec
+from typing import ParamSpec
 
 import typer
 
@@ -32,7 +32,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         LOG.set(None)  # that of a command before it in this process
         try:
             with warnings.catch_warnings():
-                warnings.showwarning = _show_warning
+                warnings.showwarning = lambda message, *_args, **_kwargs: to_stderr(f"warning: {message}")
                 command(*args, **kwargs)
             sys.stdout.flush()
         except typer.Exit:
@@ -101,7 +101,3 @@ def explained(error: BaseException) -> tuple[str, int]:
         return f"fatal: user input: {errors.printable(error)}", errors.EXIT_USER_INPUT
     trace = "" if DEBUG.get() else "; `pysprings --debug ...` shows where"
     return f"fatal: bug: {type(error).__name__}: {errors.printable(error)}\nplease report it{trace}", errors.EXIT_BUG
-
-
-def _show_warning(message: Warning | str, *_args: Any, **_kwargs: Any) -> None:
-    to_stderr(f"warning: {message}")

@@ -13,9 +13,9 @@ from pysprings.cli.support import print_table, refuse
 from pysprings.core.columns import Table
 from pysprings.core.errors import printable
 from pysprings.core.text import number, percent
-from pysprings.core.written import WRITING
+from pysprings.core.written import WRITING, listed
 from pysprings.full_model.run_record import FILE, RunRecord
-from pysprings.results.layout import FIGURES, listed_pictures, run_files
+from pysprings.results.layout import FIGURES, run_files
 
 STATUS_WORDS = {WRITING: "stopped while its files were written"}  # a status that needs more words
 
@@ -105,10 +105,11 @@ def _comparison(folder: Path, record: RunRecord) -> pd.DataFrame:
 
 
 def _pictures(folder: Path) -> list[tuple[str, str]]:
-    """Return the pictures of a folder, one line for the formats of each."""
+    """Return the pictures that the run of a folder has listed, one line for the formats of each."""
     by_stem: dict[Path, list[str]] = {}
-    for path in listed_pictures(folder):
-        by_stem.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
+    for path in listed(folder, (FIGURES,)):
+        if path.suffix in (".png", ".svg") and path.exists():
+            by_stem.setdefault(path.with_suffix(""), []).append(path.suffix.lstrip("."))
     return [(str(stem), f"picture ({', '.join(formats)})") for stem, formats in by_stem.items()]
 
 

@@ -109,11 +109,6 @@ def _shows_a_path(stem: str) -> bool:
     return any(picture_kind(stem, "_".join(parts[:n])) for n in range(1, len(parts)))
 
 
-def listed_pictures(folder: Path) -> list[Path]:
-    """Return the pictures that the run of a folder has listed, by name."""
-    return [path for path in listed(folder, (FIGURES,)) if path.suffix in (".png", ".svg") and path.exists()]
-
-
 def remove_results(folder: Path) -> None:
     """Remove all files of an earlier run from its folder; everything else in the folder stays.
 

@@ -285,8 +285,9 @@ def _all_faults(data: dict[str, Any], error: ValidationError) -> list[Fault]:
     try:
         Scene.model_validate(_without(data, faults), context=FROM_TOML, by_alias=True, by_name=False)
     except ValidationError as second:
-        more = [fault for fault in _faults(second) if not _touches(fault, dropped)]
-        return faults + more
+        for fault in _faults(second):
+            if not any(key[: len(path)] == path for key in fault.paths for path in dropped):
+                faults.append(fault)
     return faults
 
 
@@ -367,10 +368,6 @@ def _table(data: dict[str, Any], path: KeyPath) -> Any:
     for part in path:
         table = table[part]
     return table
-
-
-def _touches(fault: Fault, dropped: set[KeyPath]) -> bool:
-    return any(key[: len(path)] == path for key in fault.paths for path in dropped)
 
 
 def _without(data: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:

@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from importlib.resources import files
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,6 @@ from pysprings.scene.sections import PAPER, PAPER_SOIL
 from pysprings.scene.soils import SOIL_LAWS
 
 REACH = 20e-3  # m
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -48,8 +46,8 @@ class Case:
     group: str
     name: str
     what: str
-    changes: Mapping[str, Any] = field(default_factory=lambda: _NOTHING)
-    path: Mapping[str, Any] = field(default_factory=lambda: _NOTHING)
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    path: Mapping[str, Any] = field(default_factory=dict)
     hard: bool = False
 
     @property
@@ -213,7 +211,7 @@ def run_cases(
     ``jobs`` are worker processes (1: none), in which cases share the machine: their times grow. ``report`` is given the
     rows in their order. KeyboardInterrupt passes through: it has what ended before.
     """
-    tasks = [Task(case.name, case_in_worker, (case.name, mesh, refinement, reach)) for case in cases]
+    tasks = [Task(case.name, _in_worker, (case, mesh, refinement, reach)) for case in cases]
     ended: dict[str, Outcome] = {}
     rows: list[Outcome] = []
 
@@ -229,9 +227,8 @@ def run_cases(
     return table_of(rows)
 
 
-def case_in_worker(name: str, mesh: str, refinement: float, reach: float, _: Progress) -> Outcome:
-    """Run the case of a name as a task (`core.workers`)."""
-    (case,) = [case for case in CASES if case.name == name]
+def _in_worker(case: Case, mesh: str, refinement: float, reach: float, _: Progress) -> Outcome:
+    """Run a case as a task (`core.workers`)."""
     return run_case(case, mesh, refinement, reach)
 
 

@@ -212,11 +212,6 @@ def closing(table: pd.DataFrame) -> str:
     return text
 
 
-def is_fine(table: pd.DataFrame) -> bool:
-    """Return whether every case is ok."""
-    return bool((table["verdict"] == OK).all())
-
-
 def table_of(answers: pd.DataFrame, brief: bool = False) -> Table:
     """Return the answers to load cases, in SI, as a table of a page; ``brief``: of a terminal."""
     rows = answers.to_dict("records")

@@ -292,10 +292,11 @@ def _about(title: str, samples: Samples, left: LeftOut) -> dict[str, str]:
         f"load along the rays {percent(100 * np.sqrt((error**2).mean()))} (rms), "
         f"{percent(100 * np.quantile(error, 0.95))} (95 %), {100 * left.inside:.3g} % inside the band of 95 %"
     )
+    clay = any(getattr(layer, "law", None) in ("tresca", "von-mises") for layer in base.soil.layers)
     return {
         "title": title, "full models": str(len(samples.inputs)), "pysprings": __version__,
         "mesh": f"{base.mesh.preset} ({base.mesh.discretisation}){better}",
-        "drainage": _drainage(base.soil.layers), "left out": text,
+        "drainage": "total-stress" if clay else "drained", "left out": text,
     }  # fmt: skip
 
 
@@ -310,9 +311,3 @@ def held_back_words(compared: pd.DataFrame | None) -> str:
     none = compared["quantity"] == "all"
     left = f"; {none.sum()} without an answer" if none.any() else ""
     return f"largest errors on {compared.loc[~none, 'case'].nunique()} caissons: {', '.join(words)}{left}"
-
-
-def _drainage(layers: tuple[object, ...]) -> str:
-    """Return the drainage as springs have it: of clay layers in total stress, or drained."""
-    clay = any(getattr(layer, "law", None) in ("tresca", "von-mises") for layer in layers)
-    return "total-stress" if clay else "drained"

@@ -30,11 +30,6 @@ MATRIX, LIBRARY = 1, 3  # CalcOption
 _FORCES, _MOTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz"), ("TDx", "TDy", "TDz", "RDx", "RDy", "RDz")
 
 
-def matrix_input(head: Sequence[str], stiffness: Array, place: Place) -> str:
-    """Return an input file with one matrix (6, 6) at a place [m]; the header stands at its end, too."""
-    return _input(head, MATRIX, stiffness, place, [])
-
-
 def library_input(head: Sequence[str], library: str, springs: str, places: Sequence[Place]) -> str:
     """Return an input file with points on the springs of a library.
 
@@ -43,12 +38,14 @@ def library_input(head: Sequence[str], library: str, springs: str, places: Seque
     places : Points (x, y, z) [m].
     """
     points = [f'{x:.10g} {y:.10g} {z:.10g} "{springs}" "{springs}"' for x, y, z in places]
-    return _input(head, LIBRARY, np.zeros((6, 6)), places[0], points, library)
+    return matrix_input(head, np.zeros((6, 6)), places[0], points, library)
 
 
-def _input(
-    head: Sequence[str], option: int, stiffness: Array, place: Place, points: Sequence[str], library: str = "unused"
+def matrix_input(
+    head: Sequence[str], stiffness: Array, place: Place, points: Sequence[str] = (), library: str = "unused"
 ) -> str:
+    """Return an input file with one matrix (6, 6) at a place [m], or points of a library; the header ends it, too."""
+    option = LIBRARY if points else MATRIX
     return rendered(
         "soildyn.dat.j2", title=one_line(head[0]), option=option, place=" ".join(f"{each:.10g}" for each in place),
         stiffness=[[f"{value:.15E}" for value in row] for row in stiffness], points=points, library=library,
