@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """All lateral paths of a run over each other: load against displacement, moment against rotation; tilt with limits."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -14,7 +14,7 @@ from pysprings.core.path_kinds import PATH_KINDS, bends, has_free_head, height_o
 from pysprings.core.words import SOLVED, TILTS
 from pysprings.results.parts import ROUNDING, converged, load_sizes, settings
 from pysprings.results.plots import style
-from pysprings.results.plots.picture import Picture
+from pysprings.results.plots.picture import Part, Picture, View
 from pysprings.springs.path import paths_of
 from pysprings.springs.path_ends import MARGIN, before_cavitation
 
@@ -93,15 +93,18 @@ def _name_below(figure: Figure) -> None:
     figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=5, fontsize=8)
 
 
-PICTURE = Picture(
-    name="overview",
-    caption="Load and moment on all lateral paths",
-    function=overview,
-    data=lambda view: (view.result,),
-    scope="run",
-    applies=lambda view: bool(lateral_paths(view.result)),
-    section="capacity",
-)
+def _of_run(
+    name: str, caption: str, function: Callable[..., Figure], section: Part, free_head: bool = False
+) -> Picture:
+    """Return a picture of all lateral paths of a run; of those with a free head alone."""
+
+    def applies(view: View) -> bool:
+        return bool(lateral_paths(view.result, free_head))
+
+    return Picture(name, caption, function, lambda view: (view.result,), "run", applies, section)
+
+
+PICTURE = _of_run("overview", "Load and moment on all lateral paths", overview, "capacity")
 
 
 @style.styled
@@ -157,15 +160,7 @@ def _name(name: str, path: xr.Dataset) -> str:
     return style.plain(name if height is None else f"{name}: {height:.3g} m above")
 
 
-TILT = Picture(
-    name="tilt",
-    caption="Load and moment against tilt, with limits of tilt",
-    function=tilt,
-    data=lambda view: (view.result,),
-    scope="run",
-    applies=lambda view: bool(lateral_paths(view.result, free_head=True)),
-    section="tilt",
-)
+TILT = _of_run("tilt", "Load and moment against tilt, with limits of tilt", tilt, "tilt", free_head=True)
 
 
 @style.styled
@@ -214,12 +209,9 @@ def draw_secant(axes: Axes, tree: xr.DataTree, load: str, motion: str, over: flo
         axes.set_ylim(top=1.15 * max(value, axes.get_ylim()[1] / 1.15))
 
 
-SECANT = Picture(
-    name="secant_stiffness",
-    caption="Secant stiffness against motion; dotted: initial stiffness of the full model",
-    function=secant_stiffness,
-    data=lambda view: (view.result,),
-    scope="run",
-    applies=lambda view: bool(lateral_paths(view.result)),
-    section="capacity",
+SECANT = _of_run(
+    "secant_stiffness",
+    "Secant stiffness against motion; dotted: initial stiffness of the full model",
+    secant_stiffness,
+    "capacity",
 )
