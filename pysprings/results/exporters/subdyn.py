@@ -202,14 +202,6 @@ def labels(letter: str) -> Iterator[tuple[str, int, int]]:
             yield f"{letter}{_DOFS[row]}{_DOFS[column]}", row, column
 
 
-def ssi_text(head: Sequence[str], stiffness: np.ndarray) -> str:
-    """Return a SubDyn SSI file: stiffness (6, 6), and no added mass."""
-    lines = commented("!", [*head, FREE_BASE])
-    lines += [f"{stiffness[i, j]:24.15E}  {label}" for label, i, j in labels("K")]
-    lines += [f"{0.0:24.15E}  {label}" for label, _, _ in labels("M")]
-    return "\n".join(lines) + "\n"
-
-
 def spring_element_text(head: Sequence[str], stiffness: np.ndarray) -> str:
     """Return the rows of a SubDyn file for a spring element: its properties, a member and its direction cosines."""
     pairs = [(i, j) for i in range(6) for j in range(i, 6)]
@@ -230,9 +222,12 @@ def matrix_of(source: Source, options: Options) -> Linear:
 
 
 def write_subdyn(head: Sequence[str], stiffness: np.ndarray, target: Target) -> list:
-    """Write the SSI file and the rows of a spring element; return their paths."""
+    """Write the SSI file (stiffness, and no added mass) and the rows of a spring element; return their paths."""
+    lines = commented("!", [*head, FREE_BASE])
+    lines += [f"{stiffness[i, j]:24.15E}  {label}" for label, i, j in labels("K")]
+    lines += [f"{0.0:24.15E}  {label}" for label, _, _ in labels("M")]
     return [
-        target.write("subdyn_ssi.dat", ssi_text(head, stiffness)),
+        target.write("subdyn_ssi.dat", "\n".join(lines) + "\n"),
         target.write("subdyn_spring.dat", spring_element_text(head, stiffness)),
     ]
 

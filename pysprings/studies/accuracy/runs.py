@@ -18,7 +18,7 @@ from pysprings.full_model.run_record import RunRecord
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.scene.model import Scene
-from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
+from pysprings.studies.stored_runs import Whole, has_ended, record_of, run_folder, why_stopped
 
 WARM_UP = "warm-up"
 _WARM_UP: dict[str, dict[str, Any]] = {
@@ -71,12 +71,6 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
         stopped = why_stopped(record)
         finished.append(Ended(setting, folder, record, why or (f"{_NOT_CONVERGED}{stopped}" if stopped else "")))
     return finished
-
-
-def forget_all(settings: Sequence[Setting], out: Path) -> None:
-    """Mark every run to be repeated; results stay until there are new ones."""
-    for setting in settings:
-        forget(run_folder(out, setting.name))
 
 
 def _run(scene: Scene, folder: Path, progress: Progress, run: Run) -> str:

@@ -26,7 +26,7 @@ from pysprings.results.plots.files import redraw
 from pysprings.scene.model import Scene
 from pysprings.studies.accuracy import runs
 from pysprings.studies.accuracy.rows import FULL, MACRO, StudyResult, assess, error_against_time
-from pysprings.studies.stored_runs import RUNS
+from pysprings.studies.stored_runs import RUNS, forget, run_folder
 
 _COSTS = (
     Column("setting", "name", words=True),
@@ -156,7 +156,8 @@ def study(
     with new_folder(out), exclusive(out):
         remove_leftovers(out, own_folder(out, RUNS))
         if force:
-            runs.forget_all(settings, out)
+            for setting in settings:
+                forget(run_folder(out, setting.name))
         ended = runs.run_all(scene, settings, out, report, run)
         outcome = assess(ended)
         _write(out, scene, outcome, formats)

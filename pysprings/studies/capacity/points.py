@@ -31,7 +31,7 @@ from pysprings.model.forecast.run_time import seconds
 from pysprings.results.exporters.tables import IN_SPACE
 from pysprings.scene.model import Scene
 from pysprings.studies.capacity.plan import PROBE, Direction, Group, Request
-from pysprings.studies.stored_runs import Whole, forget, has_ended, record_of, run_folder, why_stopped
+from pysprings.studies.stored_runs import Whole, has_ended, record_of, run_folder, why_stopped
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,11 +308,3 @@ def _further(first: Ended, second: Ended) -> Ended:
     if first.point is None or (second.point is not None and second.point.moved > first.point.moved):
         return second
     return first
-
-
-def forget_all(runs: Sequence[Planned], out: Path) -> None:
-    """Mark every run to be repeated; results stay until there are new ones."""
-    for each in runs:
-        for name in (each.name, each.with_small_steps().name):
-            if run_folder(out, name).exists():
-                forget(run_folder(out, name))

@@ -34,7 +34,7 @@ from pysprings.springs.path_ends import MESH_ERROR
 from pysprings.springs.springs import Springs
 from pysprings.studies.capacity import plan, points
 from pysprings.studies.capacity.envelope import utilisation
-from pysprings.studies.stored_runs import RUNS
+from pysprings.studies.stored_runs import RUNS, forget, run_folder
 
 _ENOUGH = 0.75  # share of the limit of motion to which a ray must lead
 SCHEMA = "pysprings-capacity-3"
@@ -90,7 +90,8 @@ def study(
     with new_folder(out), exclusive(out):
         remove_leftovers(out, own_folder(out, RUNS))
         if force:
-            points.forget_all(every, out)
+            for run in (*every, *(each.with_small_steps() for each in every)):
+                forget(run_folder(out, run.name))
         outcome = assess(scene, request, points.run_all(every, out, report, jobs), springs, cases)
         if outcome.table.empty:
             raise RunIncomplete(f"no capacity was found: {'; '.join(outcome.remarks)}", out)

@@ -22,7 +22,7 @@ from pysprings.springs.checks import RESULT
 from pysprings.springs.path import paths_of
 from pysprings.studies.accuracy import rows, runs, study
 from pysprings.studies.accuracy.rows import error_against_time
-from pysprings.studies.stored_runs import RUNS, Whole
+from pysprings.studies.stored_runs import RUNS, Whole, forget, run_folder
 from tests.support import tiny
 from tests.support.commands import command
 from tests.support.files import read_record
@@ -226,7 +226,7 @@ def test_nothing_runs_twice_and_what_is_forgotten_runs_again(done: Any) -> None:
 
     study.study(elastic(), done.out, done.settings, lambda *_: None, run=watch)
     assert ran == []
-    runs.forget_all(done.settings[:1], done.out)
+    forget(run_folder(done.out, done.settings[0].name))
     study.study(elastic(), done.out, done.settings, lambda *_: None, run=watch)
     assert ran == ["coarse-0.75"]  # the warm-up is kept, too
 
