@@ -18,8 +18,8 @@ from pydantic import BaseModel
 
 from pysprings.core.path_kinds import LOADS, PATH_KINDS
 from pysprings.core.units import read, show, si_of
-from pysprings.scene.by_depth import ByDepth, Profile, of_surface
-from pysprings.scene.fields import Interval, Number, Quantity
+from pysprings.scene.by_depth import ByDepth, of_surface
+from pysprings.scene.fields import Interval
 from pysprings.scene.ground import Stratum, given_values, moved_layers
 from pysprings.scene.interface import adhesion_factor, holds_suction, without_suction
 from pysprings.scene.layers import untaken
@@ -85,19 +85,11 @@ def remarks(scene: SceneSections) -> list[str]:
 
 def row_of(key: str, value: Any, model: type[BaseModel], name: str) -> Row:
     """Return the row of a value in SI, or of a word, of the field ``name`` of a section."""
-    quantity = _plain(model, name)
     if not isinstance(value, int | float) or isinstance(value, bool):
         return {"key": key, "value": str(value), "unit": ""}
-    unit = quantity.unit if quantity else "1"
+    unit = getattr(plain_field(name, model), "unit", "1")
     scale = 1.0 if unit == "1" else read(f"1 {unit}", si_of(unit))
     return {"key": key, "value": float(f"{value / scale:.10g}"), "unit": unit}
-
-
-def _plain(model: type[BaseModel], name: str) -> Quantity | Number | None:
-    """Return the quantity or number of a field, that of its constant value where it may vary with depth."""
-    known = Quantity | Number | Profile
-    field = next((each for each in model.model_fields[name].metadata if isinstance(each, known)), None)
-    return field.quantity if isinstance(field, Profile) else field
 
 
 def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from types import NoneType
 from typing import Any, get_args
 
 from pydantic import ValidationInfo
+from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pysprings.core import units
@@ -71,6 +72,11 @@ class Field(ABC):
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
         return self.schema()
+
+
+def field_of(info: FieldInfo) -> Field:
+    """Return our type of a model field."""
+    return next(item for item in info.metadata if isinstance(item, Field))
 
 
 @dataclass(frozen=True)

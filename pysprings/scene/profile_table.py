@@ -35,9 +35,9 @@ from pysprings.core.tables.files import is_blank
 from pysprings.core.tables.headings import ANY, TEXT
 from pysprings.core.units import quoted, show, si_of
 from pysprings.core.words import ESTIMATES
-from pysprings.scene.by_depth import Profile, disordered, is_range, picked
+from pysprings.scene.by_depth import disordered, is_range, picked
 from pysprings.scene.fields import FROM_TOML, Number, Quantity
-from pysprings.scene.sections import BY_LAYER, Layer
+from pysprings.scene.sections import BY_LAYER, Layer, plain_field
 from pysprings.scene.soils import SOIL_LAWS
 
 TOTAL = "total_unit_weight"  # less that of water it is the effective one
@@ -107,9 +107,8 @@ def field_of(key: str) -> Quantity | Number:
         return Quantity("m/s", "(0, 1e4]", "", "200 m/s")
     if key == EPS50:
         return Number("", "", 0.01)
-    key = "effective_unit_weight" if key == TOTAL else key
-    field = next(each for each in Layer.model_fields[key].metadata if isinstance(each, Quantity | Number | Profile))
-    return field.quantity if isinstance(field, Profile) else field
+    field: Quantity | Number = plain_field("effective_unit_weight" if key == TOTAL else key)
+    return field
 
 
 @cache

@@ -17,7 +17,7 @@ from pysprings.core.path_kinds import LOADS, MOTIONS, PATH_KINDS, ROLES
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import AUTO, FROM_CASES, Discretisation, Figures, MeshPreset
 from pysprings.scene.by_depth import ByDepth, BySurface, Profile
-from pysprings.scene.fields import Choice, Count, Field, Flag, Number, Quantity, QuantityList, Text
+from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, field_of
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS
 from pysprings.scene.soils.clay import TABLES
 from pysprings.scene.then import Then, ThenList
@@ -199,20 +199,15 @@ _NOT_BY_LAYER = ("yield_surface", "surcharge")
 _BY_STRESS = ("young_modulus",)
 
 
-def field_of(name: str) -> Field:
-    """Return the field of a value of the soil."""
-    return next(each for each in SoilValues.model_fields[name].metadata if isinstance(each, Field))
-
-
-def plain_field(name: str) -> Any:
-    """Return the quantity or number of a value of the soil, that of its constant value where it varies with depth."""
-    field = field_of(name)
+def plain_field(name: str, model: type[BaseModel] = SoilValues) -> Any:
+    """Return the field of a value of a section (the soil), that of its constant value where it varies with depth."""
+    field = field_of(model.model_fields[name])
     return field.quantity if isinstance(field, Profile) else field
 
 
 def _layer_field(name: str) -> Any:
     """Return the optional field of a layer for a value of the soil."""
-    field = field_of(name)
+    field = field_of(SoilValues.model_fields[name])
     if not isinstance(field, Quantity | Number) or getattr(field, "constant", False):
         return Annotated[Any | None, field], None
     return Annotated[Any | None, Profile(field, name in _BY_STRESS)], None

@@ -18,10 +18,10 @@ FILE_NAME = "pysprings.schema.json"
 
 def scene_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 7) of a scene file."""
-    from pysprings.scene import load, model, toml
+    from pysprings.scene import fields, load, model
 
     title = model.Scene.model_fields["title"]
-    properties: dict[str, Any] = {"title": {**toml.field_of(title).schema(), "default": title.default}}
+    properties: dict[str, Any] = {"title": {**fields.field_of(title).schema(), "default": title.default}}
     for name, section in load.SECTIONS.items():
         table = _table(section)
         properties[name] = {"type": "array", "minItems": 1, "items": table} if name == "path" else table
@@ -36,7 +36,7 @@ def scene_schema() -> dict[str, Any]:
 
 def _table(model: type[Section]) -> dict[str, Any]:
     """Return the schema of one table."""
-    from pysprings.scene import fields, sections, toml
+    from pysprings.scene import fields, sections
     from pysprings.scene.by_depth import ESTIMATE
 
     properties = {}
@@ -46,7 +46,7 @@ def _table(model: type[Section]) -> dict[str, Any]:
             properties["profile"] = {"type": "string", "description": _PROFILE, "examples": ["site.csv"]}
             properties["estimate"] = ESTIMATE
             continue
-        field = toml.field_of(info)
+        field = fields.field_of(info)
         properties[name] = field.schema()
         if not info.is_required() and info.default is not None and not isinstance(field, fields.QuantityList):
             properties[name]["default"] = field.in_toml(info.default)

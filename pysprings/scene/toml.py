@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
-from pysprings.scene.fields import Field, QuantityList
+from pysprings.scene.fields import Field, QuantityList, field_of
 from pysprings.scene.scene_sections import SceneSections
 
 
@@ -43,11 +42,6 @@ def _tables(scene: SceneSections) -> Iterator[tuple[str, BaseModel]]:
             yield from ((f"[[{name}.layer]]", layer) for layer in getattr(value, "layers", ()))
     for path in scene.paths:
         yield "[[path]]", path
-
-
-def field_of(info: FieldInfo) -> Field:
-    """Return our type of a model field."""
-    return next(item for item in info.metadata if isinstance(item, Field))
 
 
 def _pairs(section: BaseModel) -> Iterator[tuple[str, Any]]:

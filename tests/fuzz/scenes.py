@@ -12,12 +12,11 @@ from hypothesis import strategies as st
 from pysprings.core import units
 from pysprings.core.path_kinds import PATH_KINDS
 from pysprings.scene.by_depth import SURFACES, BySurface, Profile
-from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text
+from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, QuantityList, Text, field_of
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.soils.clay import ReductionTable
 from pysprings.scene.soils.cyclic import CyclicTable
 from pysprings.scene.template import template_text
-from pysprings.scene.toml import field_of
 from tests.fuzz.mutate import NUMBERS, RAW, TEXTS, Data, Op, damage, ops
 
 SCENES = Path(__file__).parents[2] / "data" / "scenes"

@@ -12,9 +12,9 @@ from pysprings.core.words import Discretisation, MeshPreset, TargetError
 from pysprings.full_model.accuracy.target import TARGETS
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.results.exporters import EXPORTERS
+from pysprings.scene.fields import field_of
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.template import template_names
-from pysprings.scene.toml import field_of
 from pysprings.studies.atlas.families import FAMILIES
 from pysprings.studies.atlas.model import shipped
 from tests.support.commands import command, run_python

@@ -21,10 +21,9 @@ from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.omissions import left_out
 from pysprings.model.stages import path_stages
 from pysprings.scene.checks import TURNS
-from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text
+from pysprings.scene.fields import Choice, Count, Flag, Number, Quantity, QuantityList, Text, field_of
 from pysprings.scene.load import SECTIONS
 from pysprings.scene.soils.clay import TABLES
-from pysprings.scene.toml import field_of
 from tests.support import tiny
 
 R_OUT, R_IN, LENGTH = 3.9, 3.8, 4.0

@@ -15,12 +15,11 @@ from pydantic import ValidationError
 
 from pysprings.scene.by_depth import BySurface, Profile
 from pysprings.scene.defaults import defaulted
-from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity
+from pysprings.scene.fields import Choice, Count, Field, Flag, Interval, Number, Quantity, field_of
 from pysprings.scene.load import SECTIONS, load_scene, parse_scene
 from pysprings.scene.model import Scene
 from pysprings.scene.sections import PAPER_SOIL, Domain, Layer
 from pysprings.scene.template import scene_schema, template_names, template_text
-from pysprings.scene.toml import field_of
 from tests.support import tiny
 from tests.support.place import SCENES
 
