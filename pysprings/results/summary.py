@@ -92,15 +92,14 @@ def _loads(run: Run) -> str:
     for load, unit in (("H", "MN"), ("M", "MN m")):
         if not sizes[load]:
             continue
-        best = max(_lateral(run), key=lambda item: float(np.abs(item[1][load]).max()), default=None)
-        if best is not None:
-            at = int(np.abs(best[1][load].values).argmax())
-            u, turn, value = (float(best[1][name][at]) for name in ("u", "rotation", load))
-            (u,), (turn,) = significant((u,), (turn,), length)
-            parts.append(
-                f"{load} {1e-6 * value:.4g} {unit} (path {best[0]}: u {1e3 * u:.3g} mm, "
-                f"{math.degrees(turn):.3g} deg{_under(best[1], float(best[1]['V'][at]))})"
-            )
+        best, path = max(_lateral(run), key=lambda item: float(np.abs(item[1][load]).max()))
+        at = int(np.abs(path[load].values).argmax())
+        u, turn, value = (float(path[name][at]) for name in ("u", "rotation", load))
+        (u,), (turn,) = significant((u,), (turn,), length)
+        parts.append(
+            f"{load} {1e-6 * value:.4g} {unit} (path {best}: u {1e3 * u:.3g} mm, "
+            f"{math.degrees(turn):.3g} deg{_under(path, float(path['V'][at]))})"
+        )
     return f"largest reached, no limit load: {', '.join(parts)}" if parts else ""
 
 

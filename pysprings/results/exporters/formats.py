@@ -32,12 +32,7 @@ CSV = _of_text("csv", "p-y tables", "py_text", "py.csv")
 WIDE = _of_text("wide", "the same, a pair of columns y, p by depth, for spreadsheets", "wide_text", "py_wide.csv")
 JSON = _of_text("json", "all springs as one JSON document", "springs_text", "springs.json", False)
 XLSX = Exporter(
-    name="xlsx",
-    description="springs as a spreadsheet",
-    write=_loaded("xlsx"),
-    suffixes=(".xlsx",),
-    file="springs.xlsx",
-    of_every_run=True,
+    "xlsx", "springs as a spreadsheet", _loaded("xlsx"), suffixes=(".xlsx",), file="springs.xlsx", of_every_run=True
 )
 NETCDF = Exporter(
     name="nc",
