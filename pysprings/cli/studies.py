@@ -13,7 +13,6 @@ from pysprings.cli.options import DrawnFigures, Format, Jobs, Json, Mesh, NoFigu
 from pysprings.cli.support import interruptible, kept_in, print_files, print_json, print_table, quantities, to_stderr
 from pysprings.core.columns import records
 from pysprings.core.errors import RunIncomplete, following
-from pysprings.core.storage import write_text
 from pysprings.core.workers import cores
 
 if TYPE_CHECKING:
@@ -152,6 +151,7 @@ def stability(
 
 def _write_stability(table: pd.DataFrame, out: Path, formats: Sequence[str]) -> None:
     """Write stability.csv, stability.md and stability.png or stability.svg."""
+    from pysprings.core.storage import write_text
     from pysprings.results.plots.files import redraw
     from pysprings.studies import stability as catalogue
 
