@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 from pydantic import ValidationInfo
-from pydantic_core import PydanticCustomError
 
 from pysprings.core.text import suggestion
 from pysprings.core.units import quoted, unit_of
 from pysprings.core.words import ESTIMATES, OF_ESTIMATE
-from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, refuse
+from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, read_keys, refuse
 
 
 @dataclass(frozen=True)
@@ -114,12 +113,7 @@ class Profile(Field):
         if not fits or ("depth_offset" in given and "reference_depth" not in given):
             known = "; ".join(", ".join(sorted(form, reverse=True)) for form in self.forms)
             raise refuse(f"a value by depth has the keys {known}, got {', '.join(given) or 'none'}")
-        read, wrong = {}, []
-        for name, each in given.items():
-            try:
-                read[name] = self._field(name).validate(each, info)
-            except PydanticCustomError as error:
-                wrong.append(f"{name}: {error.message()}")
+        read, wrong = read_keys(given, lambda name, each: self._field(name).validate(each, info))
         if "follows" in read and read.get("exponent", 0.0) >= _LEAST_LINEAR:
             wrong.append(f"exponent: {read['exponent']:g} must be less than 1 where the stiffness follows the stress")
         if wrong:
@@ -186,14 +180,10 @@ class BySurface(Field):
         wrong = [f"{quoted(each)}: unknown surface{suggestion(str(each), SURFACES)}" for each in value
                  if each not in SURFACES]  # fmt: skip
         wrong += [f"{each}: missing (a table has {', '.join(SURFACES)})" for each in SURFACES if each not in value]
-        read = {}
-        for name in (each for each in SURFACES if each in value):
-            try:
-                read[name] = self._one(value[name], info)
-            except PydanticCustomError as error:
-                wrong.append(f"{name}: {error.message()}")
-        if wrong:
-            raise refuse("; ".join(wrong))
+        known = {each: value[each] for each in SURFACES if each in value}
+        read, unread = read_keys(known, lambda _, each: self._one(each, info))
+        if wrong or unread:
+            raise refuse("; ".join([*wrong, *unread]))
         return read
 
     def _one(self, value: Any, info: ValidationInfo) -> Any:

@@ -9,11 +9,11 @@ annotation has it (TOML leaves the key out).
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Integral, Real
 from types import NoneType
-from typing import Any, get_args
+from typing import Any, ClassVar, get_args
 
 from pydantic import ValidationInfo
 from pydantic.fields import FieldInfo
@@ -72,6 +72,17 @@ class Field(ABC):
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: Any) -> dict[str, Any]:
         return self.schema()
+
+
+def read_keys(given: Mapping[str, Any], read: Callable[[str, Any], Any]) -> tuple[dict[str, Any], list[str]]:
+    """Return the values of a table by their keys, each as a function reads it, and what is wrong with the others."""
+    values, wrong = {}, []
+    for key, value in given.items():
+        try:
+            values[key] = read(key, value)
+        except PydanticCustomError as error:
+            wrong.append(f"{key}: {error.message()}")
+    return values, wrong
 
 
 def field_of(info: FieldInfo) -> Field:
@@ -138,17 +149,13 @@ class Number(Field):
     ``constant``: it does not vary inside a layer.
     """
 
+    unit: ClassVar = "1"  # in which the interval is written
     interval: str
     text: str
     example: float
     word: str | None = None
     common: tuple[float, float] | None = None
     constant: bool = False
-
-    @property
-    def unit(self) -> str:
-        """The unit in which the interval is written."""
-        return "1"
 
     def validate(self, value: Any, info: ValidationInfo) -> Any:
         if self.word is not None and value == self.word:

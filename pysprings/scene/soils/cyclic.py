@@ -26,13 +26,12 @@ from typing import Any
 
 import numpy as np
 from pydantic import ValidationInfo
-from pydantic_core import PydanticCustomError
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import Problem, UserInputError
 from pysprings.core.tables import Column, one_table
 from pysprings.core.units import quoted
-from pysprings.scene.fields import Field, Interval, Number, Text, refuse
+from pysprings.scene.fields import Field, Interval, Number, Text, read_keys, refuse
 
 Pairs = tuple[tuple[float, float], ...]
 Rows = tuple[tuple[float, ...], ...]
@@ -249,12 +248,9 @@ class CyclicTable(Field):
             example = '{ contours = "file.csv", cycles = 10, average = 0.3 }'
             have = f"one with {', '.join(value) or 'no key'}" if isinstance(value, Mapping) else quoted(value)
             raise refuse(f"expected a table {example}, or parcels and utilisation for cycles, got {have}")
-        wrong, read = list[str](), dict[str, Any]()
-        for name, each in given.items():
-            try:
-                read[name] = _rows(name, each) if name in _TABLES else _KEYS[name].validate(each, info)
-            except PydanticCustomError as error:
-                wrong.append(f"{name}: {error.message()}")
+        read, wrong = read_keys(
+            given, lambda name, each: _rows(name, each) if name in _TABLES else _KEYS[name].validate(each, info)
+        )
         if not wrong:
             cyclic = Cyclic(**read)
             try:
