@@ -231,12 +231,9 @@ def read_options(exporter: Exporter, given: Mapping[str, Any]) -> dict[str, Any]
 def _converted(option: Option, value: Any) -> Any:
     """Return the value of an option; ValueError with a message where it does not fit."""
     if option.unit and isinstance(value, str):
-        from pysprings.core.units import QuantityError, read
+        from pysprings.core.units import read
 
-        try:
-            return read(value, option.unit, option.example)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
+        return read(value, option.unit, option.example)
     if option.choices and value not in option.choices:
         raise ValueError(f"'{value}' is not one of {', '.join(option.choices)}{suggestion(str(value), option.choices)}")
     if isinstance(value, str) and not isinstance(option.default, str | None):
