@@ -4,7 +4,7 @@
 Beside p stands how much of its largest value it has reached.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -73,14 +73,14 @@ def draw_py(axes: Axes, path: xr.Dataset, depths: Iterable[float] | None = None,
     axes.set(xlabel="displacement y of the mean fibre [mm]", ylabel="reaction p [kN/m]", title=PANELS[side])
 
 
-PY = Picture(
-    name="py",
-    caption="p-y curves by depth",
-    function=py_curves,
-    data=lambda view: (view.reactions,),
-    applies=lambda view: not view.is_vertical,
-    section="springs",
-)
+def _of_lateral(name: str, caption: str, function: Callable[..., Figure]) -> Picture:
+    """Return a picture of the reactions on a lateral path."""
+    return Picture(
+        name, caption, function, lambda view: (view.reactions,), "path", lambda view: not view.is_vertical, "springs"
+    )
+
+
+PY = _of_lateral("py", "p-y curves by depth", py_curves)
 
 
 LEVELS = (0.25, 0.5, 0.75, 1.0)  # of the largest load of the path
@@ -172,11 +172,4 @@ def limits_without_edge(axes: Axes, values: Array, which: str) -> None:
     (axes.set_xlim if which == "x" else axes.set_ylim)(low - room, high + room)
 
 
-PICTURE = Picture(
-    name="profiles",
-    caption="Reactions by depth at load levels; mobilisation",
-    function=profiles,
-    data=lambda view: (view.reactions,),
-    applies=lambda view: not view.is_vertical,
-    section="springs",
-)
+PICTURE = _of_lateral("profiles", "Reactions by depth at load levels; mobilisation", profiles)
