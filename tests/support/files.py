@@ -6,7 +6,12 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+import pytest
 import xarray as xr
+
+import pysprings.results.folder
+from pysprings.results.exporters.csv import write_frame
 
 
 def record_of(result: xr.DataTree) -> dict[str, Any]:
@@ -24,6 +29,17 @@ def read_record(folder: Path) -> dict[str, Any]:
 def contents(folder: Path) -> dict[str, bytes]:
     """Return path within the folder -> bytes, of every file."""
     return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def fail_comparison(patch: pytest.MonkeyPatch, error: BaseException) -> None:
+    """Have a run raise an error where it writes its comparison."""
+
+    def fails(frame: pd.DataFrame, file: Path) -> Path:
+        if file.name == "compare.csv":
+            raise error
+        return write_frame(frame, file)
+
+    patch.setattr(pysprings.results.folder, "write_frame", fails)
 
 
 class Page(HTMLParser):

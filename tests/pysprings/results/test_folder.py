@@ -38,7 +38,7 @@ from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from tests.support import tiny
 from tests.support.commands import command, environment
-from tests.support.files import contents, read_record, read_report
+from tests.support.files import contents, fail_comparison, read_record, read_report
 from tests.support.place import SCENES
 
 # the public contract, word by word
@@ -368,23 +368,12 @@ def test_a_run_whose_springs_answer_on_no_path_keeps_its_results(tmp_path: Path)
     assert set(contents(out)) == set(run_files())
 
 
-def _fail_comparison(patch: pytest.MonkeyPatch, error: BaseException) -> None:
-    """Have an error raised where the comparison is written."""
-
-    def fails(frame: pd.DataFrame, file: Path) -> Path:
-        if file.name == "compare.csv":
-            raise error
-        return write_frame(frame, file)
-
-    patch.setattr(pysprings.results.folder, "write_frame", fails)
-
-
 def test_a_file_that_fails_costs_no_other_and_ends_the_run_with_its_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file, out = tiny.write(tiny.scene(), tmp_path / "caisson.toml"), tmp_path / "out"
     with monkeypatch.context() as patch:
-        _fail_comparison(patch, KeyError("a bug"))
+        fail_comparison(patch, KeyError("a bug"))
         done = command("run", file, "--out", out)
     assert done.code == 1 and "bug: KeyError: 'a bug'" in done.err and f"are kept in {out}" in done.err
     assert set(run_files()) - {"compare.csv"} <= set(contents(out))
@@ -395,7 +384,7 @@ def test_a_file_that_fails_costs_no_other_and_ends_the_run_with_its_error(
 
 
 def test_an_interrupt_of_a_table_ends_all_that_follows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    _fail_comparison(monkeypatch, KeyboardInterrupt())
+    fail_comparison(monkeypatch, KeyboardInterrupt())
     assert command("run", tiny.write(tiny.scene(), tmp_path / "caisson.toml"), "--out", tmp_path / "out").code == 130
     missing = read_record(tmp_path / "out")["not_made"]
     assert {"compare.csv", "summary", "report"} <= set(missing) and set(missing.values()) == {"interrupted"}

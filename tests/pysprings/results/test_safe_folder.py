@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
@@ -18,14 +17,13 @@ from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.results import plots
 from pysprings.results.exporters import export
-from pysprings.results.exporters.csv import write_frame
 from pysprings.results.folder import NOT_YET, run_or_go_on, run_to_folder
 from pysprings.results.layout import FIGURES, PARAVIEW, run_files
 from pysprings.studies import stored_runs
 from pysprings.studies.accuracy import runs as accuracy_runs
 from tests.support import tiny
 from tests.support.commands import command
-from tests.support.files import contents
+from tests.support.files import contents, fail_comparison, read_record
 from validation.paper import sensitivity, study
 
 needs_links = pytest.mark.skipif(os.name == "nt", reason="links need a right there")
@@ -234,19 +232,11 @@ def asked(words: tuple[str, ...], folder: Path) -> Any:
 
 def test_a_killed_writer_is_not_believed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene_file: Path) -> None:
     """Killed while the tables are written: no command takes what is there for a whole result."""
-    out, seen = tmp_path / "out", []
-
-    def killed(frame: pd.DataFrame, file: Path) -> Path:
-        if file.name != "compare.csv":
-            return write_frame(frame, file)
-        seen.append(json.loads((out / "run.json").read_text())["status"])
-        raise Killed
-
+    out = tmp_path / "out"
     with monkeypatch.context() as patch, pytest.raises(Killed):
-        patch.setattr(pysprings.results.folder, "write_frame", killed)
+        fail_comparison(patch, Killed())
         run_to_folder(tiny.scene(), out)
-    assert seen == ["writing"]
-    assert (out / "springs.nc").exists()
+    assert read_record(out)["status"] == "writing" and (out / "springs.nc").exists()
     before = contents(out)
     for words in ASKED:
         done = asked(words, out)
