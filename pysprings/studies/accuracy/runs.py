@@ -59,7 +59,11 @@ def run_all(scene: Scene, settings: Sequence[Setting], out: Path, report: Progre
     weights = {name: seconds(each, size_of(each).unknowns) for name, each in scenes.items()}
     missing = {name for name, each in scenes.items() if not has_ended(run_folder(out, name), each)}
     for kind in dict.fromkeys(each.discretisation for each in settings if each.name in missing):
-        _warm_up(scene, kind, run_folder(out, f"{WARM_UP}-{kind}"), report, run)
+        name, small = f"{WARM_UP}-{kind}", warm_up_scene(study_scene(scene), kind)
+        if not has_ended(run_folder(out, name), small):
+            report(name, 0.0, "compiled code")
+            _run(small, run_folder(out, name), lambda *_: None, run)
+            report(name, 1.0, "")
     whole = Whole(weights, report, paths=tuple(path.name for path in scene.load_paths))
     finished = []
     for setting in settings:
@@ -91,19 +95,13 @@ _NOT_CONVERGED = "not converged: "
 
 
 def warm_up_scene(scene: Scene, kind: str) -> Scene:
-    """Return a scene on a small mesh of a discretisation, its fan short, its steps large: it needs the same code."""
+    """Return a scene on a small mesh of a discretisation, its fan short, its steps large: it needs the same code.
+
+    Compiled code stays on disk, so that no run of the table pays for it.
+    """
     mesh = _WARM_UP["mesh"] | {"discretisation": kind, "harmonics": None}
     reach = None if scene.springs.reach is None else _SHORT * scene.springs.reach
     return scene.replace(**_WARM_UP | {"mesh": mesh, "springs": {"reach": reach}})
-
-
-def _warm_up(scene: Scene, kind: str, folder: Path, report: Progress, run: Run) -> None:
-    """Run a small model of a discretisation: compiled code stays on disk, so that no run of the table pays for it."""
-    if has_ended(folder, small := warm_up_scene(study_scene(scene), kind)):
-        return
-    report(f"{WARM_UP}-{kind}", 0.0, "compiled code")
-    _run(small, folder, lambda *_: None, run)
-    report(f"{WARM_UP}-{kind}", 1.0, "")
 
 
 def run_here(scene: Scene, folder: Path, progress: Progress) -> None:

@@ -168,7 +168,12 @@ def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
     """Return everything that was found, in SI and percent; numbers that are not there are null."""
     return {
         "schema": SCHEMA,
-        **_origin(scene),
+        "command": "pysprings accuracy",
+        "scene": scene.title,
+        "scene_sha256": scene.sha256,
+        "version": version.__version__,
+        "date": datetime.now(UTC).date().isoformat(),
+        "machine": _machine(),
         "series": list(outcome.series),
         "cell_size": CELL_SIZE,
         "measures": {name: measure.words for name, measure in MEASURES.items()},
@@ -182,17 +187,6 @@ def to_json(scene: Scene, outcome: StudyResult) -> dict[str, Any]:
         },
         "rows": records(outcome.table),
     }  # fmt: skip
-
-
-def _origin(scene: Scene) -> dict[str, Any]:
-    return {
-        "command": "pysprings accuracy",
-        "scene": scene.title,
-        "scene_sha256": scene.sha256,
-        "version": version.__version__,
-        "date": datetime.now(UTC).date().isoformat(),
-        "machine": _machine(),
-    }
 
 
 def _machine() -> str:

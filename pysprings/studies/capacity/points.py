@@ -280,7 +280,7 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
 
 
 def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:
-    """Run one, and once more with small steps where it stops before failure."""
+    """Run one, and once more with small steps where it stops before failure; return the one that went further."""
     done = _run(planned, out, progress)
     if not done.failed:
         return done
@@ -289,7 +289,9 @@ def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:
         out,
         lambda _, fraction, text: progress("small steps", fraction, f"small steps, {text}"),
     )
-    return _further(done, small)
+    if done.point is None or (small.point is not None and small.point.moved > done.point.moved):
+        return small
+    return done
 
 
 def _run(each: Planned, out: Path, progress: Progress) -> Ended:
@@ -301,10 +303,3 @@ def _run(each: Planned, out: Path, progress: Progress) -> Ended:
         with warnings.catch_warnings(action="ignore"), suppress(RunIncomplete):  # its record has them
             run_or_go_on(each.scene, folder, progress, estimate_error=each.estimated)
     return Ended(each, folder, why_stopped(record_of(folder, each.scene)))
-
-
-def _further(first: Ended, second: Ended) -> Ended:
-    """Return the probe that carried the larger load."""
-    if first.point is None or (second.point is not None and second.point.moved > first.point.moved):
-        return second
-    return first
