@@ -208,10 +208,11 @@ def one_at_a_time(scene: SceneText) -> tuple[tuple[Axis, ...], tuple[Case, ...]]
     Raises UserInputError where no value has a range.
     """
     axes: list[Axis] = []
-    for keys, table in scene.ranges:
-        left = {"soil"} if any(each.isdigit() for each in keys) else {"soil", "layer"}  # "layer_2" of a number
-        *above, key = (re.sub(r"\W+", "_", each) for each in keys if each not in left)
-        name = f"{'_'.join(above)[: 36 - len(key)]}_{key}".lstrip("_0123456789")
+    ranges, layers = scene.ranges, {name: str(k) for k, name in enumerate(scene.layers, start=1)}
+    short = [_short(keys) for keys, _ in ranges]
+    for (keys, table), name in zip(ranges, short, strict=True):
+        if short.count(name) > 1:  # cut to the same letters
+            name = _short([layers.get(each, each) for each in keys])
         name = f"{name}_{len(axes) + 1}" if name in [each.name for each in axes] else name
         axes.append(Axis(name, (".".join(keys),), ESTIMATES, words=table))
     if not axes:
@@ -220,6 +221,13 @@ def one_at_a_time(scene: SceneText) -> tuple[tuple[Axis, ...], tuple[Case, ...]]
     for k in range(len(axes)):
         rows += [[end if j == k else "best" for j in range(len(axes))] for end in ("low", "high")]
     return tuple(axes), tuple(Case(k + 1, tuple(row)) for k, row in enumerate(rows))
+
+
+def _short(keys: Sequence[str]) -> str:
+    """Return the name of an axis from the keys of a value: that of its layer, cut, or "layer_2" of a number."""
+    left = {"soil"} if any(each.isdigit() for each in keys) else {"soil", "layer"}
+    *above, key = (re.sub(r"\W+", "_", each) for each in keys if each not in left)
+    return f"{'_'.join(above)[: 36 - len(key)]}_{key}".lstrip("_0123456789")
 
 
 def span(axis: Axis, count: int) -> tuple[Value, ...]:

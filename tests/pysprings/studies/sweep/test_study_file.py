@@ -133,6 +133,15 @@ def test_ranges_that_cannot_be_taken_one_at_a_time(study, tmp_path, change, text
     assert any(message in each for _, _, each in refusals(study, text))
 
 
+def test_layers_whose_names_begin_alike_are_taken_one_at_a_time_by_their_numbers(study, tmp_path):
+    """The second was `silty_clay_o_undrained_shear_strength_3`: no reader of a tornado could name its layer."""
+    text = RANGED.replace('top = "4 m"\n', 'top = "4 m"\nname = "silty clay of the lower formation"\n')
+    text = text.replace("soft clay", "silty clay of the upper formation")
+    (tmp_path / "ranged.toml").write_text(text, encoding="utf-8")
+    own = [axis.name for axis in study(ONE).axes[1:]]
+    assert own == ["layer_1_undrained_shear_strength", "layer_2_undrained_shear_strength"]
+
+
 def test_layers_of_one_name_are_taken_one_at_a_time_by_their_numbers(study, tmp_path):
     """A sounding through sand, clay and sand names two layers alike."""
     text = RANGED.replace('top = "4 m"\n', 'top = "4 m"\nname = "soft clay"\n')
