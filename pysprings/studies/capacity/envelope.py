@@ -29,8 +29,8 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
 
     `utilisation` is NaN where no points enclose the direction of a case, `upper_bound` 1 where an end of its chord
     is a probe that stopped before failure, `mesh_error_pct` the larger of the mesh's errors there, NaN where one is not
-    known. `off_load` is 1 where the V of a case is none of those computed, to 0.1 %: not the 10 % of springs, as an
-    envelope closes where V nears its own capacity, and a tenth of V is not small there. A case without V has the worst
+    known. `off_load` is 1 where the V of a case is none of those computed, to 0.1 %, and has no numbers: not the 10 % of
+    springs, as an envelope closes where V nears its own capacity, and a tenth of V is not small there. A case without V has the worst
     of all.
     """
     rows = []
@@ -45,6 +45,7 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
             known = bool(ends["is_capacity"].all())
             V = nearest if np.isnan(cases.V[k]) else float(cases.V[k])
             off = not same_load(V, nearest)
+            share = math.nan if off else share
             rows.append({
                 "name": name, "limit_state": cases.limit_state[k], "strength": strength, "H_N": float(cases.H[k]),
                 "M_Nm": float(cases.M[k]), "T_Nm": float(cases.torsion[k]), "V_N": V, "V_of_envelope_N": nearest,
@@ -52,7 +53,7 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
                 "H_capacity_N": float(cases.H[k]) / share if share > 0.0 else np.nan,
                 "M_capacity_Nm": float(cases.M[k]) / share if share > 0.0 else np.nan,
                 "T_capacity_Nm": float(cases.torsion[k]) / share if share > 0.0 else np.nan,
-                "utilisation": share if not off else np.nan, "upper_bound": int(not known and np.isfinite(share)),
+                "utilisation": share, "upper_bound": int(not known and np.isfinite(share)),
                 MESH_ERROR: float(ends[MESH_ERROR].max(skipna=False)),
                 "remarks": cases.notes[k],
             })  # fmt: skip
