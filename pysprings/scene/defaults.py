@@ -337,6 +337,10 @@ def _of_clay(scene: SceneSections, stratum: Stratum) -> Iterator[str]:
         yield from _worst(
             stratum, ratio, lambda z: stratum.strength(z) / stratum.vertical_stress(z), depth, _NORMALISED
         )
+    falls = stratum.law == "iwan-clay" or "strain_at_half_strength" in stratum.values
+    if "plasticity_index" in stratum.values and not falls:
+        why = "plasticity_index gives G of small strains, which holds up to su without strain_at_half_strength"
+        yield f"layer '{stratum.name}': {why}"
     if float(stratum.value("poisson_ratio", depth).min()) < _POISSON:
         yield f"layer '{stratum.name}': poisson_ratio below {_POISSON:g} lets undrained clay change its volume"
     beside = depth[depth <= scene.caisson.skirt_length]

@@ -304,6 +304,7 @@ def test_check_prints_strength_and_adhesion_by_depth():
         ("= 200", "= 5000", "G/su at 0.667 m: 5e+03 is outside"),
         ("rigidity", "poisson_ratio = 0.4\nrigidity", "poisson_ratio below 0.48"),
         ("2 kPa/m", "0.1 kPa/m", "su over the vertical effective stress at"),
+        ("rigidity_ratio = 200", "plasticity_index = 30", "holds up to su without strain_at_half_strength"),
         ("0.65", "0.05", "adhesion factor inside at 0.667 m: 0.05 is outside"),
         ("5 kPa", "5 MPa", "5e+03 kPa is outside the common range 0.5 to 300 kPa: 1000 times too large? 5 kPa"),
     ],
