@@ -29,9 +29,9 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
 
     `utilisation` is NaN where no points enclose the direction of a case, `upper_bound` 1 where an end of its chord
     is a probe that stopped before failure, `mesh_error_pct` the larger of the mesh's errors there, NaN where one is not
-    known. `off_load` is 1 where the V of a case is none of those computed, to 0.1 %, and has no numbers: not the 10 % of
-    springs, as an envelope closes where V nears its own capacity, and a tenth of V is not small there. A case without V has the worst
-    of all.
+    known. `off_load` is 1 where the V of a case is none of those computed, to 0.1 %, and no capacity is known: not the
+    10 % of springs, as an envelope closes where V nears its own capacity, and a tenth of V is not small there. A case
+    without V has the worst of all.
     """
     rows = []
     for strength, own in table.groupby("strength", sort=False):
