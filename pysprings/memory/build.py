@@ -4,6 +4,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -199,6 +200,7 @@ def with_memory(tree: xr.DataTree, progress: Progress | None = None) -> xr.DataT
     rates: list[float | None] = [one.rate for one in springs.rate_sets] if len(springs.rate_sets) > 1 else [None]
     loads = sorted((one.V for one in springs.load_sets), key=lambda V: not same_load(V, springs.rest_load))
     found: dict[str, xr.Dataset] = {}
+    say = partial(progress or (lambda *_: None), "springs with memory")
     sets = [*product(enumerate(loads), enumerate(rates))]
     for number, ((load, V), (pace, rate)) in enumerate(sets):
         at = springs.at(rate=rate, V=V)
@@ -206,11 +208,11 @@ def with_memory(tree: xr.DataTree, progress: Progress | None = None) -> xr.DataT
         if has_fan(at) and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
             name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
             known = _stored(at)
-            if progress is not None and known is None:
-                progress("springs with memory", number / len(sets), f"elements of set {number + 1} of {len(sets)}")
-            found[name] = memory_dataset(at, _calibrated(at)) if known is None else known
-    if progress is not None:
-        progress("springs with memory", 1.0, "")
+            if known is None:
+                say(number / len(sets), f"elements of set {number + 1} of {len(sets)}")
+                known = memory_dataset(at, _calibrated(at))
+                say((number + 1) / len(sets), "")
+            found[name] = known
     if not found:
         return tree
     if _follows(springs):

@@ -160,7 +160,7 @@ def test_elements_at_rest_load_are_stored_first(monkeypatch: pytest.MonkeyPatch)
     for root, rest in ((bare["/"], REST), (heavy, HEAVY)):
         said: list[str] = []
         tree = with_memory(xr.DataTree.from_dict(bare | {"/": root}), lambda *each, s=said: s.append(each[2]))
-        assert said == ["elements of set 1 of 2", "elements of set 2 of 2", ""]
+        assert said == ["elements of set 1 of 2", "", "elements of set 2 of 2", ""]
         stored = Springs.of(tree)
         assert list(stored.memory) == ["memory", "memory_load_1"]
         assert stored.memory["memory"].attrs["paths_sha256"] == digest(stored.at(V=rest))
