@@ -24,10 +24,7 @@ def check_arrays(**values: Any) -> None:
 
 
 def check_shapes(**values: Any) -> None:
-    """Raise UserInputError where values are neither numbers nor columns that go together (None: not given).
-
-    Columns go together by shape, and by labels of one kind.
-    """
+    """Raise UserInputError for what is no number (None: not given) or column, and columns that do not go together."""
     shapes = {name: np.shape(value) for name, value in values.items() if value is not None}
     _raise({name: f"give a column (n,), not the shape {shape}" for name, shape in shapes.items() if len(shape) > 1})
     try:

@@ -100,7 +100,7 @@ def predict_batch(
 
 def _columns(*values: float | Array) -> list[Array]:
     """Return numbers and arrays (n,) as rows (n,)."""
-    columns = [np.atleast_1d(each).ravel() for each in np.broadcast_arrays(*(np.asarray(v, float) for v in values))]
+    columns = [np.atleast_1d(each) for each in np.broadcast_arrays(*(np.asarray(v, float) for v in values))]
     if not columns[0].size:
         raise refused("H", "no load case is given")
     return columns

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _GOOD = 5.0  # percent: springs with larger errors on held-back paths are for comparison only
 _GOOD_MESH = 5.0  # percent of load
-NONE_CALIBRATED = "no lateral path was calibrated"
+_NONE_CALIBRATED = "no lateral path was calibrated"
 _U, _HALF = "u", "u, half"
 _AT_LOAD = {_U: "u_error_max_pct", _HALF: "u_error_half_pct"}  # at equal load; the second up to half of the largest one
 
@@ -239,7 +239,7 @@ def _range(run: Run) -> str:
 
     calibrated = _calibrated(run)
     if not calibrated:
-        return NONE_CALIBRATED
+        return _NONE_CALIBRATED
     first, *others = calibrated
     fan = _is_fan(run)
     used = [calibrated[name] for name in (first, *(others if fan else ()))]
@@ -304,7 +304,7 @@ def _use(run: Run) -> str:
     if run.record.failures:
         return "not for design: the run did not come to its end"
     if not _calibrated(run):
-        return NONE_CALIBRATED
+        return _NONE_CALIBRATED
     if not _is_fan(run):
         return "only on the path that they were made from: other load heights need a fan ([springs] reach)"
     worst, limits = _held_back(run) or {}, []

@@ -26,6 +26,7 @@ from pysprings.scene.layers import untaken
 from pysprings.scene.scene_sections import SceneSections
 from pysprings.scene.sections import SoilValues, plain_field
 from pysprings.scene.soils import SOIL_LAWS
+from pysprings.scene.soils.cyclic import CYCLIC
 
 Row = dict[str, Any]  # of a value by default: key, value (a number in `unit`, or a word), unit ("" of a word)
 _SECTIONS = ("caisson", "domain", "interface", "drainage", "mesh", "solver", "limit")
@@ -337,7 +338,7 @@ def _of_clay(scene: SceneSections, stratum: Stratum) -> Iterator[str]:
         yield from _worst(
             stratum, ratio, lambda z: stratum.strength(z) / stratum.vertical_stress(z), depth, _NORMALISED
         )
-    falls = stratum.law == "iwan-clay" or "strain_at_half_strength" in stratum.values
+    falls = CYCLIC in SOIL_LAWS[stratum.law].keys or "strain_at_half_strength" in stratum.values  # along a backbone
     if "plasticity_index" in stratum.values and not falls:
         why = "plasticity_index gives G of small strains, which holds up to su without strain_at_half_strength"
         yield f"layer '{stratum.name}': {why}"

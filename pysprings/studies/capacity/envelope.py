@@ -42,10 +42,11 @@ def utilisation(table: pd.DataFrame, cases: LoadCases) -> pd.DataFrame:
             found = [_along(own[own["V_N"] == V], load) for V in near]
             worst = int(np.argmax([np.inf if np.isnan(share) else share for share, _ in found]))
             (share, ends), nearest = found[worst], float(near[worst])
-            known = bool(ends["is_capacity"].all())
             V = nearest if np.isnan(cases.V[k]) else float(cases.V[k])
             off = not same_load(V, nearest)
-            share = math.nan if off else share
+            if off:
+                share, ends = math.nan, ends.iloc[:0]
+            known = bool(ends["is_capacity"].all())
             rows.append({
                 "name": name, "limit_state": cases.limit_state[k], "strength": strength, "H_N": float(cases.H[k]),
                 "M_Nm": float(cases.M[k]), "T_Nm": float(cases.torsion[k]), "V_N": V, "V_of_envelope_N": nearest,

@@ -212,7 +212,7 @@ def one_at_a_time(scene: SceneText) -> tuple[tuple[Axis, ...], tuple[Case, ...]]
     short = [_short(keys) for keys, _ in ranges]
     for (keys, table), name in zip(ranges, short, strict=True):
         if short.count(name) > 1:  # cut to the same letters
-            name = _short([layers.get(each, each) for each in keys])
+            name = _short([*keys[:2], *(layers.get(each, each) for each in keys[2:3]), *keys[3:]])
         name = f"{name}_{len(axes) + 1}" if name in [each.name for each in axes] else name
         axes.append(Axis(name, (".".join(keys),), ESTIMATES, words=table))
     if not axes:

@@ -314,6 +314,9 @@ def test_unusual_clay_is_named(old, new, words):
     assert old in CLAY
     assert [text for text in implausible(tiny.parsed(CLAY.replace(old, new, 1))) if words in text]
     assert implausible(tiny.sand()) == []
+    gmax = CLAY.replace("rigidity_ratio = 200", "plasticity_index = 30")  # falls along a hyperbola
+    falling = gmax.replace('"tresca"', '"iwan-clay"'), gmax.replace("[int", "strain_at_half_strength = 0.02\n[int", 1)
+    assert not [text for each in falling for text in implausible(tiny.parsed(each)) if "holds up to su" in text]
 
 
 @pytest.mark.parametrize(

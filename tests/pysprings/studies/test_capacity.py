@@ -195,7 +195,7 @@ def test_utilisation_by_chords(tmp_path: Path) -> None:
     assert found["utilisation"]["moment"] == pytest.approx(0.5)
     chord = math.cos(math.pi / 16)  # half way between two directions of the unit circle, or a point of it
     assert found["utilisation"]["outside"] == pytest.approx(math.sqrt(2.0), rel=1.0 - chord)
-    assert found.loc["other V", ["utilisation", "H_capacity_N", "M_capacity_Nm"]].isna().all()
+    assert found.loc["other V", ["utilisation", "H_capacity_N", "M_capacity_Nm", "mesh_error_pct"]].isna().all()
     assert found["off_load"]["other V"] == 1
     assert found["H_capacity_N"]["half"] == pytest.approx(-1e6)
     assert found["mesh_error_pct"][["on", "half", "moment", "outside"]].tolist() == [4.0, 4.0, 8.0, 2.0]
