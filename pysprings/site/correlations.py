@@ -23,6 +23,7 @@ CRITICAL = np.radians(33.0)  # critical-state friction angle of quartz sand (Bol
 K0_NC = 0.5  # of normally consolidated sand, where a correlation needs one
 LEAST_PRESSURE = 150.0e3  # Pa, smallest p' in Bolton's index (his reply to the discussion)
 HELD = (0.05, 1.0)  # D_r of correlations
+OVERCONSOLIDATED = (1.0, 40.0)  # OCR of a scene
 CONE_FACTORS = (10.0, 14.0, 18.0)  # N_kt that give su high, best, low
 
 
@@ -223,6 +224,14 @@ def small_strains(density: Array) -> dict[str, Array]:
     stiff = np.minimum(0.0122 * np.exp(-1.5 * (density[2] - 0.5)), mobilisation(density[1]))
     scale = np.array([SOFTEST * mobilisation(density[0]), mobilisation(density[1]), stiff])
     return {"degradation_limit": floor, "mobilisation_strain": scale}
+
+
+def overconsolidation(strength: Array, stress: Array) -> Array:
+    """Return the OCR of su and s'_v0, both in Pa, held within what the key may be.
+
+    Jamiolkowski et al. (1985): su = 0.23 OCR^0.8 s'_v0.
+    """
+    return np.clip((strength / (0.23 * stress)) ** 1.25, *OVERCONSOLIDATED)
 
 
 def clay(factors: tuple[float, float, float] = CONE_FACTORS) -> tuple[Correlation, ...]:

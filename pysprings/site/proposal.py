@@ -16,24 +16,29 @@ import numpy as np
 from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.text import suggestion
+from pysprings.core.words import ESTIMATES
 from pysprings.scene.by_depth import WEAKER
 from pysprings.scene.defaults import beyond_common
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
+from pysprings.scene.soils.clay import small_strain_modulus
 from pysprings.site.correlations import (
     CONE_FACTORS,
     CRITICAL,
     FOUR_SANDS,
     KARLSRUHE,
+    OVERCONSOLIDATED,
     SAND,
     Correlation,
     Rows,
     clay,
     dilation,
+    overconsolidation,
     small_strains,
 )
 from pysprings.site.files import Bed, Points, Site
 from pysprings.site.sounding import (
+    LEAST_STRESS,
     SAND_TO,
     TRANSITION,
     Sounding,
@@ -45,7 +50,7 @@ from pysprings.site.sounding import (
 )
 
 # by depth; the others are means of a layer
-LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion")
+LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion", "overconsolidation_ratio")
 WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades
@@ -55,6 +60,7 @@ ROUNDING = 1.0e-9  # of the largest value of a line: less is 0
 LEAST_SHARE = 0.02  # of the largest value of a line, where points have no ratio to it
 MOST_NAMED = 60  # characters of a name
 _FORMULA = "=+-@ "  # a spreadsheet would read what begins so as a formula
+STATIONS = 20  # depths of a layer at which OCR follows from su
 FEWEST_POINTS = 3  # in a layer, for a range
 LONGEST, MOST_GAPS, ROUND = 0.5, 3, 0.01  # m without rows that is not stated; how many are named; m of a last layer
 _WORDS = {"sand": r"sands?|gravels?|zand|grind|kies", "clay": r"clays?|silts?|peat|mud|till|klei|veen|ton|schluff"}
@@ -329,7 +335,37 @@ def _fill(
     by_density = "relative_density" in unit.values and not (phi and phi.measured)
     unit.law = unit.law or ("tresca" if unit.kind == "clay" else "sand" if by_density else "van-eekelen")
     _derived(unit)
+    if {"plasticity_index", "undrained_shear_strength"} <= unit.written.keys():
+        _consolidated(unit, part.effective, depth[own])
     _remark(unit)
+
+
+def _consolidated(unit: Unit, effective: Array, depth: Array) -> None:
+    """Put the OCR of su over s'_v0 (n,) in Pa at depths (n,) in m beside I_p; an OCR of a file stays.
+
+    G_max of an OCR that su does not have makes the clay too soft, elastic beyond gamma_50 at last: that has a remark.
+    """
+    if not (known := np.isfinite(effective)).any():
+        return
+    ends = np.array([unit.top, unit.bottom])
+    inside = np.linspace(unit.top, unit.bottom, 2 * STATIONS + 1)[1::2]
+    stress = np.maximum(np.interp(inside, depth[known], effective[known]), LEAST_STRESS)
+    strength = np.array([np.interp(inside, ends, line) for line in unit.values["undrained_shear_strength"].lines])
+    ratios, key = overconsolidation(strength, stress), "overconsolidation_ratio"
+    if key not in unit.values:
+        lines = np.clip([_line(inside, each, ends, key) for each in ratios], *OVERCONSOLIDATED)
+        unit.values[key] = Value(lines, ("Jamiolkowski et al. 1985, from su/s'_v0",))
+    index, given, half = (
+        np.array([np.interp(inside, ends, line) for line in unit.values[each].lines])
+        for each in ("plasticity_index", key, "strain_at_half_strength")
+    )
+    least = 0.5 * strength / small_strain_modulus(stress, index, given)
+    k, at = np.unravel_index(np.argmax(least / half), least.shape)
+    if least[k, at] > half[k, at]:
+        unit.remarks.append(
+            f"gamma_50 {ESTIMATES[k]}, {half[k, at]:.3g}, is below su/(2 G), {least[k, at]:.3g}, of G_max with OCR "
+            f"{given[k, at]:.3g} at {inside[at]:.3g} m: a scene refuses it; su/s'_v0 is that of OCR {ratios[k, at]:.3g}"
+        )
 
 
 def _remark(unit: Unit) -> None:

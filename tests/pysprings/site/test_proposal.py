@@ -311,6 +311,21 @@ def test_the_stiffness_of_small_strains_that_plasticity_gives_has_its_strain(tmp
     assert values["strain_at_half_strength"]["best"] == [0.015, 0.015] and "shear_modulus" not in values
 
 
+def test_plasticity_without_overconsolidation_has_that_of_its_strength(tmp_path) -> None:
+    """OCR was 1: G_max of stiff clay was 6 times too small, and a scene refused gamma_50 as above its strength."""
+    head = "top [m],bottom [m],Soil type,su [kPa],Ip [%],gamma' [kN/m3]"
+    (tmp_path / "a.csv").write_text(f"{head}\n0,5,SAND,,,10\n5,12,CLAY,207,45,10\n")
+    values = proposal(tmp_path / "a.csv")["layers"][1]["values"]
+    depth = np.array([6.0, 10.0])
+    ratio = np.interp(depth, [5.0, 12.0], values["overconsolidation_ratio"]["best"])
+    assert ratio == pytest.approx((207.0 / 0.23 / (10.0 * depth)) ** 1.25, rel=0.05)
+    (tmp_path / "a.csv").write_text(f"{head},OCR [-]\n0,5,SAND,,,10,\n5,12,CLAY,207,45,10,1\n")
+    layer = proposal(tmp_path / "a.csv")["layers"][1]
+    assert layer["values"]["overconsolidation_ratio"]["best"] == [1.0, 1.0]
+    remark = next(each for each in layer["remarks"] if "gamma_50" in each)
+    assert "gamma_50 high, 0.0075, is below su/(2 G), 0.0101" in remark and "OCR 1 at 5.17 m" in remark
+
+
 def test_measured_stiffness_is_no_second_one_beside_that_of_a_table(tmp_path) -> None:
     """Both were written, and the scene refused the table."""
     (tmp_path / "log.csv").write_text(
