@@ -292,11 +292,10 @@ def _about(title: str, samples: Samples, left: LeftOut) -> dict[str, str]:
         f"load along the rays {percent(100 * np.sqrt((error**2).mean()))} (rms), "
         f"{percent(100 * np.quantile(error, 0.95))} (95 %), {100 * left.inside:.3g} % inside the band of 95 %"
     )
-    clay = any(getattr(layer, "law", None) in ("tresca", "von-mises") for layer in base.soil.layers)
     return {
         "title": title, "full models": str(len(samples.inputs)), "pysprings": __version__,
         "mesh": f"{base.mesh.preset} ({base.mesh.discretisation}){better}",
-        "drainage": "total-stress" if clay else "drained", "left out": text,
+        "left out": text,
     }  # fmt: skip
 
 

@@ -161,7 +161,7 @@ def _root(atlas: Atlas, scene: Scene, estimate: Estimate, V: float) -> xr.Datase
         "Conventions": "CF-1.11", "title": scene.title, "source": atlas.source,
         "pysprings_version": __version__, "scene_sha256": scene.sha256, "scene_toml": scene.to_toml(),
         "mesh_preset": atlas.base.mesh.preset, "status": "complete", "schema": SCHEMA,
-        "drainage": atlas.about.get("drainage", "drained"), "outer_diameter_m": caisson.outer_diameter,
+        "drainage": scene.layer_drainage, "outer_diameter_m": caisson.outer_diameter,
         "skirt_length_m": caisson.skirt_length, "skirt_thickness_m": caisson.skirt_thickness, "vertical_load_N": V,
         "caisson_behaviour": "rigid", "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
         "limit_rotation_rad": scene.limit.rotation, "atlas": "; ".join(f"{k}: {v}" for k, v in atlas.about.items()),

@@ -210,6 +210,14 @@ def test_a_scene_without_layers_is_the_same_as_one_with_a_layer(atlas):
     assert float(one["u"]) == float(other["u"]) > 0.0
 
 
+def test_clay_is_in_total_stress_whatever_form_the_base_scene_has(atlas):
+    """An atlas of one's own whose base scene had no layers was marked as drained: no wider band near collapse."""
+    own = replace(atlas, about={"mesh": atlas.about["mesh"], "drainage": "drained"})
+    one, other = (pysprings.predict(springs(each, 9.0, 6.0), H=1.4e6, arm=9.0) for each in (own, atlas))
+    assert one.attrs["drainage"] == other.attrs["drainage"] == "total-stress"
+    assert float(one["u_deviation"]) == float(other["u_deviation"])
+
+
 def test_short_names_are_those_of_the_ground_of_a_scene_file(tmp_path):
     """Of a layer of any name, and of a soil without layers, in clay and in sand."""
     clay = CLAY_SCENE.replace('"12 MN"', '"6 MN"')
