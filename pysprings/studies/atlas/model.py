@@ -132,9 +132,9 @@ class Atlas:
 
         A value of the ground is that of the first layer of the scene, or of its one soil.
         """
-        name = ".".join(change.keys)
+        name, text = ".".join(change.keys), self.text if text is None else text
         section, *keys = self.family.short.get(name, name).split(".")
-        if section == "soil" and name in self.family.short and text is not None:
+        if section == "soil" and name in self.family.short:
             own = keys[2:] if keys[0] == "layer" else keys
             keys = ["layer", text.layers[0], *own] if text.layers else own
         return Change((section, *keys), change.value)

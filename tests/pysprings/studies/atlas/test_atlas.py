@@ -218,6 +218,14 @@ def test_clay_is_in_total_stress_whatever_form_the_base_scene_has(atlas):
     assert float(one["u_deviation"]) == float(other["u_deviation"])
 
 
+def test_short_names_are_those_of_the_base_scene_of_an_atlas_of_ones_own(atlas):
+    """Without layers, or with a layer of another name: `--set su=...` asked for sections that nobody wrote."""
+    layered = CLAY_SCENE.replace("yield_surface", '[[soil.layer]]\ntop = "0 m"\nname = "soft"\nlaw')
+    for text in (CLAY_SCENE, layered):
+        made = replace(atlas, text=SceneText(text)).scene(9.0, 6.0, read_changes(["G/su=400"]))
+        assert made.ground.strata[0].values["rigidity_ratio"] == 400.0
+
+
 def test_short_names_are_those_of_the_ground_of_a_scene_file(tmp_path):
     """Of a layer of any name, and of a soil without layers, in clay and in sand."""
     clay = CLAY_SCENE.replace('"12 MN"', '"6 MN"')
