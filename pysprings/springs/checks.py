@@ -214,15 +214,17 @@ def _step_faults(dataset: xr.Dataset, rigid: bool) -> Iterator[tuple[str, str]]:
 
 
 def open_springs(path: str | os.PathLike[str]) -> xr.DataTree:
-    """Read and validate a spring file.
+    """Read and validate a spring file: ``springs.nc``, or the folder of a run that holds it.
 
     Raises
     ------
     UserInputError
         The file is missing, broken, of another kind or version, or lacks something; every fault is listed.
     """
-    tree = read_tree(path)
-    validate_springs(tree, file=path)
+    file = Path(path)
+    file = file / "springs.nc" if file.is_dir() else file
+    tree = read_tree(file)
+    validate_springs(tree, file=file)
     return tree
 
 

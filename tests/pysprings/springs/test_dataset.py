@@ -18,6 +18,7 @@ PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kin
 def test_round_trip(tmp_path):
     tree = make_springs(PATHS)
     assert open_springs(save_springs(tree, tmp_path / "springs.nc")).identical(tree)
+    assert open_springs(tmp_path).identical(tree)  # the folder of a run
 
 
 def test_paths_by_role_and_default():
