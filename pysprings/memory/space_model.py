@@ -8,7 +8,7 @@ ones: where both loads act the answer is marked.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -339,6 +339,11 @@ class SpaceStepper:
         self.motion, self.load, self.way = np.zeros(SPACE), np.zeros(SPACE), 0.0
         self._trial = self.state.copy(), self.motion.copy(), self.load.copy()
         self._conditions: tuple[float | None, float | None] = None, None
+
+    @classmethod
+    def of(cls, springs: Springs | xr.DataTree) -> Self:
+        """Return a stepper at rest on springs in space, at the vertical load at rest. Raises as `SpaceSprings.of`."""
+        return cls(SpaceSprings.of(springs))
 
     def advance(
         self,

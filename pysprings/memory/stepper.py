@@ -2,22 +2,27 @@
 """Springs with a memory step by step, with a state that is kept."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
+import xarray as xr
 
 from pysprings.core.arguments import check_arrays, check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import BeyondSprings, Problem, refused
 from pysprings.core.loads import loads_in_words
 from pysprings.macro.fan import WIDEST
+from pysprings.macro.model import choose_set
 from pysprings.macro.vertical import VerticalTable, covered
 from pysprings.macro.ways import RANGE_SLACK, Control
+from pysprings.memory.build import build_memory
 from pysprings.memory.elements import STATES, advance
 from pysprings.memory.mixture import ChangingLoad, Past
 from pysprings.memory.model import MemorySprings
 from pysprings.memory.shares import elastic_of
 from pysprings.memory.water import Water
 from pysprings.springs.path import off_rate
+from pysprings.springs.springs import Springs
 
 MARKS = ("extrapolated", "off_path", "off_load", "off_rate", "heave_extrapolated", "torsion_apart")
 _NO_ANSWER = "the elements carry no more than {} on the way to this step"
@@ -84,6 +89,16 @@ class MemoryStepper:
         self.water = None if self._water is None else self._water.rest
         self._trial, self._then = (self.state.copy(), self.motion.copy(), self.load.copy()), self.past
         self._conditions: tuple[float | None, float | None] = None, None
+
+    @classmethod
+    def of(cls, springs: Springs | xr.DataTree, *, V: float | None = None, rate: float | None = None) -> Self:
+        """Return a stepper at rest on springs at a vertical load [N] (None: that at rest) and a rate [m/s, of rho].
+
+        Raises UserInputError: no ray turns back at this load and rate; of springs at several rates none is given.
+        """
+        chosen = Springs.of(springs).at(rate=rate, V=V)
+        choose_set(chosen, "memory", None)
+        return cls(build_memory(chosen))
 
     def advance(
         self,

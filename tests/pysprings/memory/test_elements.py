@@ -597,7 +597,7 @@ def test_springs_with_memory_have_the_tangent_of_a_state_that_is_asked_for(tmp_p
     path = str(save_springs(winkler.with_invented_memory(), tmp_path / "springs.nc"))
     asked = ("predict", path, "--u", "1 mm", "--rotation", "0.1 mrad", "--springs", "memory", "--extrapolate", "--json")
     found = json.loads(command(*asked, "--stiffness").out)["stiffness"]["matrices"][0]
-    stepper = MemoryStepper(build_memory(Springs.of(open_springs(path))))
+    stepper = MemoryStepper.of(open_springs(path))
     for share in np.linspace(0.0, 1.0, 26)[1:]:
         stepper.advance(motion=(1e-3 * share, 1e-4 * share))
         tangent = stepper.tangent

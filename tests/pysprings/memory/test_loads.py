@@ -16,6 +16,7 @@ from pysprings.memory.build import build_memory, digest, with_memory
 from pysprings.memory.elements import FRICTIONAL
 from pysprings.memory.mixture import mixed
 from pysprings.memory.model import MemorySprings
+from pysprings.memory.stepper import MemoryStepper
 from pysprings.springs.springs import Springs
 from tests.support import loaded, winkler
 from tests.support.fans import LENGTH
@@ -39,6 +40,8 @@ def test_between_two_vertical_loads_loads_and_reactions_are_those_of_both_by_the
     expected = (1.0 - share) * loads[0] + share * loads[1]
     np.testing.assert_allclose(between.solve("state", WAY)[1], expected, rtol=1e-12)
     assert np.abs(loads[0] - loads[1]).max() > 1e4
+    stepped = MemoryStepper.of(loaded.springs(), V=V).advance(motion=tuple(WAY[0]))
+    np.testing.assert_allclose(stepped, between.solve("state", WAY[:1])[1][0], rtol=1e-9)
     rows = [model.reactions(WAY) for model in (light, heavy)]
     np.testing.assert_allclose(between.reactions(WAY), (1.0 - share) * rows[0] + share * rows[1], rtol=1e-9, atol=1e-9)
     tangents = [model.tangents(WAY) for model in (light, heavy)]
@@ -100,6 +103,10 @@ def test_between_two_rates_loads_are_those_of_both_linear_in_the_logarithm_of_th
     np.testing.assert_allclose(between.solve("state", WAY)[1], 0.75 * loads[0] + 0.25 * loads[1], rtol=1e-9)
     assert np.abs(loads[0] - loads[1]).max() > 1e4
     assert between.rate == pytest.approx(rate) and "memory" in spring_sets(stored.at(rate=rate))
+    stepped = MemoryStepper.of(stored, rate=rate).advance(motion=tuple(WAY[0]))
+    np.testing.assert_allclose(stepped, between.solve("state", WAY[:1])[1][0], rtol=1e-9)
+    with pytest.raises(UserInputError, match="rate"):
+        MemoryStepper.of(stored)
     time = np.arange(1.0, len(WAY) + 1.0) * float(np.hypot(*WAY[0] * [1.0, LENGTH])) / 1e-6
     for at, each, marked in ((rate, time, True), (1e-5, 0.1 * time, False)):
         answer = sequence(stored.at(rate=at), WAY[:1], control="state", springs_kind="memory", time=each[:1])

@@ -566,7 +566,7 @@ AT_ONCE = ("extrapolated", "off_path", "off_load", "torsion_apart")
 
 def test_a_stepper_takes_no_torque_for_a_motion() -> None:
     """Without a twist among the paths its fifth equation is a motion."""
-    stepper = SpaceStepper(SpaceSprings.of(Springs.of(calibrated(twisted=False))))
+    stepper = SpaceStepper.of(Springs.of(calibrated(twisted=False)))
     for step in ({"load": [1e5, 0.0, 0.0, 0.0, 2e5]}, {"motion": [1e-3, 0.0, 0.0, 0.0, 1e-3]}):
         with pytest.raises(UserInputError, match="they carry no torsion"):
             stepper.advance(**step)
