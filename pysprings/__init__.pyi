@@ -15,7 +15,7 @@ from .macro.space import sequence_in_space as sequence_in_space
 from .macro.stiffness import stiffness as stiffness, stiffness_six as stiffness_six
 from .memory.space_model import SpaceStepper as SpaceStepper
 from .memory.stepper import MemoryStepper as MemoryStepper
-from .results import plots as plots
+from .results import exporters as exporters, plots as plots
 from .results.exporters.beam import beam as beam
 from .results.layout import open_result as open_result
 from .results.tables import open_table as open_table

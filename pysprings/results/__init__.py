@@ -3,4 +3,4 @@
 
 import lazy_loader
 
-__getattr__, __dir__, _ = lazy_loader.attach(__name__, submodules=["plots"])
+__getattr__, __dir__, _ = lazy_loader.attach(__name__, submodules=["exporters", "plots"])

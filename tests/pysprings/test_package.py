@@ -31,6 +31,13 @@ def test_import_is_light() -> None:
     assert done.stdout == "[]\n"
 
 
+@pytest.mark.parametrize("name", ["errors", "exporters", "plots"])
+def test_modules_of_the_front_door_open_first(name: str) -> None:
+    """The test above finds them where another one has imported them."""
+    done = subprocess.run([sys.executable, "-c", f"import pysprings; pysprings.{name}"], check=False, cwd=ROOT)
+    assert done.returncode == 0
+
+
 @pytest.mark.parametrize(("name", "module"), [("run", "full_model.compute"), ("compare", "macro.comparison")])
 def test_functions_are_not_hidden_by_modules(name: str, module: str) -> None:
     home = import_module(f"pysprings.{module}")
