@@ -50,7 +50,7 @@ from pysprings.site.sounding import (
 )
 
 # by depth; the others are means of a layer
-LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion", "overconsolidation_ratio")
+LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion")
 WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades
@@ -353,8 +353,8 @@ def _consolidated(unit: Unit, effective: Array, depth: Array) -> None:
     strength = np.array([np.interp(inside, ends, line) for line in unit.values["undrained_shear_strength"].lines])
     ratios, key = overconsolidation(strength, stress), "overconsolidation_ratio"
     if key not in unit.values:
-        lines = np.clip([_line(inside, each, ends, key) for each in ratios], *OVERCONSOLIDATED)
-        unit.values[key] = Value(lines, ("Jamiolkowski et al. 1985, from su/s'_v0",))
+        lines = [np.polyval(np.polyfit(inside, each, 1, w=1.0 / each), ends) for each in ratios]  # of relative errors
+        unit.values[key] = Value(np.clip(lines, *OVERCONSOLIDATED), ("Jamiolkowski et al. 1985, from su/s'_v0",))
     index, given, half = (
         np.array([np.interp(inside, ends, line) for line in unit.values[each].lines])
         for each in ("plasticity_index", key, "strain_at_half_strength")

@@ -309,6 +309,8 @@ def test_the_stiffness_of_small_strains_that_plasticity_gives_has_its_strain(tmp
     (tmp_path / "a.csv").write_text(table)
     values = proposal(tmp_path / "a.csv")["layers"][0]["values"]
     assert values["strain_at_half_strength"]["best"] == [0.015, 0.015] and "shear_modulus" not in values
+    middle_of_layer = np.mean(values["overconsolidation_ratio"]["best"])
+    assert middle_of_layer == pytest.approx((40.0 / 0.23 / 80.0) ** 1.25, rel=0.3)  # not led by that near mudline: 7.5
 
 
 def test_plasticity_without_overconsolidation_has_that_of_its_strength(tmp_path) -> None:
@@ -318,7 +320,7 @@ def test_plasticity_without_overconsolidation_has_that_of_its_strength(tmp_path)
     values = proposal(tmp_path / "a.csv")["layers"][1]["values"]
     depth = np.array([6.0, 10.0])
     ratio = np.interp(depth, [5.0, 12.0], values["overconsolidation_ratio"]["best"])
-    assert ratio == pytest.approx((207.0 / 0.23 / (10.0 * depth)) ** 1.25, rel=0.05)
+    assert ratio == pytest.approx((207.0 / 0.23 / (10.0 * depth)) ** 1.25, rel=0.1)
     (tmp_path / "a.csv").write_text(f"{head},OCR [-]\n0,5,SAND,,,10,\n5,12,CLAY,207,45,10,1\n")
     layer = proposal(tmp_path / "a.csv")["layers"][1]
     assert layer["values"]["overconsolidation_ratio"]["best"] == [1.0, 1.0]
