@@ -21,6 +21,7 @@ from fe_engine.elements.fourier import numbers
 from fe_engine.errors import MeshError
 from fe_engine.memory import address_space, left as memory_left, limit as memory_limit
 from pysprings.core.errors import ResourceError, refused
+from pysprings.core.path_kinds import MEMORY
 from pysprings.core.workers import cores, in_worker
 from pysprings.model.build import counts_of, geometry_of
 from pysprings.model.forecast.run_time import (
@@ -49,6 +50,8 @@ _SYMMETRIC_ENTRIES = 0.55  # measured (docs/evidence/omissions.md)
 _SERIES_ENTRIES, _SERIES_EXPONENT, _BYTES_OF_A_POINT = 194.0, 1.256, 60.0
 # With water: blocks of the factors over those without, and time steps whose factors are kept at most.
 _SERIES_WATER, _SERIES_STEPS = 2.2, 24
+# Fit of the elements of springs with memory (11,000 columns are offered), behind the model of 21 paths on `coarse`.
+_CALIBRATION_BYTES = 0.6e9
 # A recorded step stands in memory as it came, in its dataset, and in what tables and pictures make of it.
 _COPIES_OF_A_STEP = 3.0
 # NetCDF compresses fields of steps that move to about this share at best.
@@ -147,8 +150,9 @@ def model_bytes(scene: Scene, symmetric: bool = False) -> float:
     if scene.discretisation != "fourier":
         more = superlu_bytes(size.unknowns) if uses_superlu(scene) else 0.0
         return memory_bytes(size.unknowns, scene.drainage.mode != "drained", symmetric) + more
-    whole = any(path.in_space for path in scene.all_paths)
-    return _BASE_BYTES + sum(_series_bytes(scene, size, each) for each in ((False, True) if whole else (False,)))
+    sides = {False} | {path.in_space for path in scene.all_paths}  # half of the caisson, and the whole
+    fitted = _CALIBRATION_BYTES if any(path.role == MEMORY for path in scene.all_paths) else 0.0
+    return _BASE_BYTES + fitted + sum(_series_bytes(scene, size, whole) for whole in sides)
 
 
 def _series_bytes(scene: Scene, size: Size, whole: bool) -> float:
