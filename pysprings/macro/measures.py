@@ -143,8 +143,7 @@ def distances(path: SpringPath, answer: xr.Dataset) -> dict[str, float]:
 def _point_error(path: SpringPath, answer: xr.Dataset, n: int) -> float:
     """Return the largest distance [m] between both points of rotation; NaN: none to follow."""
     u, rotation = path.u[:n], path.rotation[:n]
-    near = (np.abs(rotation) * path.length * FAR > np.abs(u)) & (np.abs(u) >= SKIP_BELOW * np.abs(u).max(initial=0.0))
-    near &= (u != 0.0) & (answer["rotation"].values != 0.0)
+    near = _counted(u) & (np.abs(rotation) * path.length * FAR > np.abs(u)) & (answer["rotation"].values != 0.0)
     if not PATH_KINDS[path.kind].free_head or not near.any():
         return float("nan")
     own = answer["u"].values[near] / answer["rotation"].values[near]

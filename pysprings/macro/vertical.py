@@ -65,11 +65,20 @@ class Branch:
         """Largest V [N] in its direction."""
         return self.sign * float((self.sign * self.r[-1]).max())
 
+    @property
+    def last(self) -> Array:
+        """Slopes dr/dx (rows,) of the last step, with which the curves go on beyond the end."""
+        return (self.r[:, -1] - self.r[:, -2]) / (self.x[-1] - self.x[-2])
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether V has stopped growing at the end."""
+        return bool(self.sign * self.last[-1] < FLAT * abs(self.slope[-1, 0]))
+
     def at(self, x: float) -> tuple[Array, Array]:
         """Return all reactions (rows,) and their slopes dr/dx at one x [m]; the last step goes on beyond the end."""
         if x > self.x[-1]:
-            chord = (self.r[:, -1] - self.r[:, -2]) / (self.x[-1] - self.x[-2])
-            return self.r[:, -1] + chord * (x - self.x[-1]), chord
+            return self.r[:, -1] + self.last * (x - self.x[-1]), self.last
         pairs = [spring_row(self.x, r, s, self.x.size, x) for r, s in zip(self.r, self.slope, strict=True)]
         return np.array([r for r, _ in pairs]), np.array([s for _, s in pairs])
 
@@ -78,9 +87,7 @@ class Branch:
         over = self.sign * (self.r[-1] - V)
         reached = np.flatnonzero(over >= 0.0)
         if not reached.size:
-            chord = (self.r[-1, -1] - self.r[-1, -2]) / (self.x[-1] - self.x[-2])
-            flat = self.sign * chord < FLAT * abs(self.slope[-1, 0])
-            return None if flat else float(self.x[-1] + (V - self.r[-1, -1]) / chord)
+            return None if self.is_flat else float(self.x[-1] + (V - self.r[-1, -1]) / self.last[-1])
         k = int(reached[0])
         if k == 0 or over[k] == 0.0:
             return float(self.x[k])

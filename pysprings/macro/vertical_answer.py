@@ -20,7 +20,7 @@ from pysprings.core.text import with_prefix
 from pysprings.core.words import RANGE_END, sudden
 from pysprings.macro.model import MacroModel
 from pysprings.macro.response import list_of, other_load
-from pysprings.macro.vertical import FLAT, Branch, VerticalTable, covered, share_left
+from pysprings.macro.vertical import VerticalTable, covered, share_left
 from pysprings.springs.path import SpringPath, off_rate
 from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
 
@@ -201,18 +201,14 @@ def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
     Pressure takes the path downwards, tension the one upwards. NaN and blank words where that path is missing, or does
     not come to a load of this sign.
     """
-    sign = 1.0 if V >= 0.0 else -1.0
-    branch = None if model.vertical is None else next((b for b in model.vertical.branches if b.sign == sign), None)
-    if branch is None:
+    branch = None if model.vertical is None else model.vertical.branch(V)
+    if branch is None or branch.sign * branch.largest <= 0.0:
         return np.nan, "", ""
-    largest = branch.largest
-    if sign * largest <= 0.0:
-        return np.nan, "", ""
-    end = model.ends.get(branch.path)
+    largest, end = branch.largest, model.ends.get(branch.path)
     if end is not None and end.how == LIMIT_LOAD:
         return largest, f"{LIMIT_LOAD} of the full model", f"path '{branch.path}' {end.words}"
     stopped = end is not None and end.failed
-    kind = "limit load of the springs" if _is_flat(branch) and not stopped else RANGE_END
+    kind = "limit load of the springs" if branch.is_flat and not stopped else RANGE_END
     pace = f" ({1e3 * branch.rate:.3g} mm/s)" if branch.rate and model.rate else ""
     source = f"path '{branch.path}'{pace}, at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
     return largest, kind, f"{source}; it stopped: {end.why}" if end is not None and stopped else source
@@ -242,12 +238,6 @@ def vertical_use(model: MacroModel, V: Array) -> dict[str, Any]:
     largest = np.where(V >= 0.0, down[0], up[0])
     kind = np.where(V >= 0.0, np.array(down[1], dtype=object), np.array(up[1], dtype=object))
     return {"capacity_V": largest, "capacity_V_kind": kind, "utilisation_V": V / largest}
-
-
-def _is_flat(branch: Branch) -> bool:
-    """Return whether the load has stopped growing at the end of a curve."""
-    chord = (branch.r[-1, -1] - branch.r[-1, -2]) / (branch.x[-1] - branch.x[-2])
-    return bool(branch.sign * chord < FLAT * abs(branch.slope[-1, 0]))
 
 
 def past_elastic(model: Carrier, V: Array, elastic: Marks) -> tuple[Marks, list[str]]:
