@@ -253,7 +253,7 @@ def _joined(parts: list[_Part], order: Integers) -> xr.Dataset:
 
 def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bool) -> _Part:
     """Return the answers of one model to loads (n, 2) = (H, M) at vertical loads V (n,)."""
-    states, loads, reached = model.solve_cases("load", targets)
+    states, loads, reached = model.response.solve_cases(targets)
     answer = answer_dataset(model, Way(states, loads, "load", V))
     reached = reached & answer["converged"].values  # that is of V
     down = answer["V"].values if "V" in answer else None

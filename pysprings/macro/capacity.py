@@ -64,8 +64,8 @@ class Capacities:
     source: Texts
 
     def attributes(self) -> dict[str, Any]:
-        """Return the capacity along the last of the loads as attributes of an answer; none for a load of zero."""
-        if not self.kind[-1]:
+        """Return the capacity along the last of the loads as attributes of an answer; none of no load, or of zero."""
+        if not self.kind[-1:].any():
             return {}
         return {
             "capacity_H_N": float(self.H[-1]), "capacity_M_Nm": float(self.M[-1]),
@@ -105,8 +105,8 @@ def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Ca
     directions = plane[loaded] / size[loaded, None]
     angles, place = np.unique(_angles(directions), return_inverse=True)
     ends = _ends(model, np.stack([np.cos(angles), np.sin(angles)], axis=1))
-    largest, own = ends.largest[place], np.full(len(place), model.origin.load)
-    out.kind[loaded], out.source[loaded] = ends.kind[place], ends.source[place]
+    largest, out.kind[loaded], out.source[loaded] = (each[place] for each in ends)
+    own = np.full(len(place), model.origin.load)
     for each, rows in limit_loads_along(model, directions, down):
         largest[rows] = np.hypot(each.H, each.M / model.length)
         own[rows] = each.V
@@ -150,11 +150,8 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     largest = capacities(model, loads, answer["V"].values if "V" in answer else None)
     known = variables.GROUPS["prediction"]["utilisation"]
     answer = with_bound(model, answer, loads, largest.utilisation)
-    added = answer.assign(
-        utilisation=(known.dims, np.where(largest.kind == "", 0.0, largest.utilisation), known.attributes())
-    )
-    if not len(loads):
-        return added
+    share = np.where(largest.kind == "", 0.0, largest.utilisation)
+    added = answer.assign(utilisation=(known.dims, share, known.attributes()))
     return added.assign_attrs(largest.attributes())
 
 
@@ -176,15 +173,6 @@ def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation:
 def _angles(directions: Array) -> Array:
     """Return the angles of directions (n, 2), rounded: the way along a direction is that of its own rounded angle."""
     return np.round(np.arctan2(directions[:, 1], directions[:, 0]) / ONE_WAY) * ONE_WAY
-
-
-@dataclass(frozen=True, slots=True)
-class _Ends:
-    """Largest loads [N] along n directions in (H, M/L), their kinds, words on where they come from."""
-
-    largest: Array
-    kind: Texts
-    source: Texts
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,8 +207,8 @@ class _Ways:
         return (loads / [1.0, self.model.length] * self.d[:, None, :]).sum(axis=-1)
 
 
-def _ends(model: MacroModel, d: Array) -> _Ends:
-    """Return where the ways along directions (n, 2) end."""
+def _ends(model: MacroModel, d: Array) -> tuple[Array, Texts, Texts]:
+    """Return the largest loads (n,) [N] along directions (n, 2) in (H, M/L), their kinds, words on their origin."""
     reach = np.full(len(d), model.response.farthest())
     for _ in range(LONGER + 1):
         ways = _Ways.along(model, d, reach)
@@ -248,8 +236,8 @@ def _ends(model: MacroModel, d: Array) -> _Ends:
     return _named(ways, state, size)
 
 
-def _named(ways: _Ways, state: Array, size: Array) -> _Ends:
-    """Return the ends of ways: last states (n, 2), and sizes of the load on the way (n, k), the last one at the end."""
+def _named(ways: _Ways, state: Array, size: Array) -> tuple[Array, Texts, Texts]:
+    """Return `_ends` of ways: last states (n, 2), and sizes of the load on the way (n, k), the last one at the end."""
     peak, end = size.max(axis=1), size[:, -1]
     moved = _moved(ways.model, state)
     left, growth = _stiffness_left(ways, state, end)
@@ -269,7 +257,7 @@ def _named(ways: _Ways, state: Array, size: Array) -> _Ends:
         else:
             kind[i] = RANGE_END
             source[i] = f"{from_}, {at}; {100.0 * left[i]:.2g} % of the initial stiffness is left: more is not known"
-    return _Ends(peak, kind, source)
+    return peak, kind, source
 
 
 def _used(model: MacroModel, states: Array) -> Array:

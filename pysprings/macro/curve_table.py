@@ -87,7 +87,7 @@ class SpringTable:
     @property
     def load_scale(self) -> Array:
         """Size of H [N] and M [N m] that the springs can build up, for tolerances."""
-        peak = np.abs(np.where(np.isfinite(self.q), self.r, 0.0)).max(axis=1)
+        peak = np.abs(self.r).max(axis=1)  # 0 beyond the knots
         return np.maximum((np.abs(self.b) * peak[:, None]).sum(axis=0), 1e-300)
 
 

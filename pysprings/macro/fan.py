@@ -114,17 +114,17 @@ class FanTable:
         """Return all reactions (rows, n) at states (n, 2) = (u, rotation)."""
         return fan_rows(self.angle, self.rho, self.r, self.slope, self.count, self.even, *self.polar(states))
 
-    def places(self, states: Array) -> Array:
-        """Return the places (n, 3) of states (n, 2) between the rays: see `fan_places`."""
-        return fan_places(self.angle, self.polar(states)[1])
+    def beside(self, states: Array) -> tuple[Integers, Integers, Array]:
+        """Return the rays before and behind each of states (n, 2), and its place between them, a share (n,)."""
+        places = fan_places(self.angle, self.polar(states)[1])
+        return places[:, 0].astype(int), places[:, 1].astype(int), places[:, 2]
 
     def support(self, states: Array) -> tuple[Array, Array, Array]:
         """Return how far states are supported, each (n,): rho over the range, sector [rad], angle to a ray [rad].
 
         The range is the shorter one of the rays on both sides; on a ray, its own, and the sector is 0.
         """
-        places = self.places(states)
-        low, high, place = places[:, 0].astype(int), places[:, 1].astype(int), places[:, 2]
+        low, high, place = self.beside(states)
         # a single ray and its mirror image cannot be: there are two rays at least, so no sector is 0 modulo pi
         sector = (self.angle[high] - self.angle[low]) % np.pi
         nearest = np.minimum(place, 1.0 - place) * sector

@@ -68,8 +68,8 @@ class FanSprings(Response):
         """Return the names of the rays beside each state (n, 2)."""
         path = self.table.path
         return [
-            [name for name, weight in ((path[int(low)], 1.0 - share), (path[int(high)], share)) if weight > ROUNDING]
-            for low, high, share in self.table.places(states).tolist()
+            [name for name, weight in ((path[low], 1.0 - share), (path[high], share)) if weight > ROUNDING]
+            for low, high, share in zip(*(each.tolist() for each in self.table.beside(states)), strict=True)
         ]
 
     def range_words(self) -> tuple[str, str]:
@@ -79,9 +79,7 @@ class FanSprings(Response):
     def beyond(self, failed: list[PathEnd], states: Array, _over: Marks) -> Iterator[tuple[PathEnd, Marks]]:
         """Yield the ends of rays that failed, and the states beside each beyond its range: see `Response`."""
         table = self.table
-        rho, places = table.polar(states)[0], table.places(states)
-        sector = table.support(states)[1]
-        low, high, place = places[:, 0].astype(int), places[:, 1].astype(int), places[:, 2]
+        rho, sector, (low, high, place) = table.polar(states)[0], table.support(states)[1], table.beside(states)
         for end in failed:
             ray = table.path.index(end.path)
             beside = (low == ray) & ((sector > 0.0) | (place < 0.5)) | (high == ray) & ((sector > 0.0) | (place >= 0.5))

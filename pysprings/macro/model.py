@@ -8,7 +8,6 @@ from typing import Any, Self
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pysprings.core import variables
 from pysprings.core.arrays import Array
@@ -200,10 +199,6 @@ class MacroModel:
         V : Vertical load [N], one a target: springs with memory follow it, where they have rays on which it changes.
         """
         return self.response.solve(control, targets, arm, start, V)
-
-    def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
-        """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
-        return self.response.solve_cases(control, targets, arm)
 
 
 def _remarks(

@@ -134,7 +134,7 @@ def way_to_load(
 ) -> xr.Dataset:
     """Return n + 1 states (dimension step) on the way from the origin to a load; see `predict`."""
     check_numbers(H=H, arm=arm, M=M, V=V)
-    care, choice = _parts(asking)
+    care, choice = parts_of(asking)
     model, share = model_of(springs, V=V, **choice), np.linspace(0.0, 1.0, n + 1)
     if V is not None and H is None and M is None and arm is None:
         rest = model.rest_load
@@ -161,7 +161,7 @@ def way_to_motion(
     check_numbers(arm=arm, V=V, **given)
     if len(given) == 2 and arm:
         raise refused("arm", "with u and rotation both loads are answers: leave it out")
-    care, choice = _parts(asking)
+    care, choice = parts_of(asking)
     targets = np.zeros((n + 1, 2))
     for column, value in enumerate(given.values()):
         targets[:, column] = np.linspace(0.0, float(value), n + 1)
@@ -219,7 +219,7 @@ def sequence(
         raise refused("arm", f"is that of a displacement or a rotation: of the control '{control}' give M or rotation")
     down = None if V is None else np.asarray(V, dtype=float)
     first = None if down is None else float(down.ravel()[0])
-    care, choice = _parts(asking)
+    care, choice = parts_of(asking)
     model = model_of(springs, V=first, **choice)
     at = None if time is None else np.asarray(time, dtype=float)
     V_of_rows = down if down is not None and down.ndim else first
@@ -255,7 +255,8 @@ def _answered(model: MacroModel, answer: xr.Dataset, care: Care) -> xr.Dataset:
     return with_vertical_use(model, with_capacity(model, raise_or_warn(answer, **care)))
 
 
-def _parts(asking: Asking) -> tuple[Care, SpringChoice]:
+def parts_of(asking: Asking) -> tuple[Care, SpringChoice]:
+    """Return the keywords of a question that are `Care`, and those that choose the springs."""
     care: Any = {name: value for name, value in asking.items() if name in Care.__annotations__}
     choice: Any = {name: value for name, value in asking.items() if name not in care}
     return care, choice

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.text import with_prefix
 from pysprings.macro.curve_table import SpringTable
-from pysprings.macro.solver import ROWS, SpringArrays, follow, reactions, row_values, solve_cases, tangents
+from pysprings.macro.solver import ROWS, Drive, SpringArrays, follow, reactions, row_values, solve_cases, tangents
 from pysprings.macro.ways import Along, Control, Limit, ending, equations, range_limit, turns
 from pysprings.springs.path import SpringPath
 from pysprings.springs.path_ends import PathEnd
@@ -176,12 +176,9 @@ class Response(Protocol):
         K = self.loads_at(0.0, 0.0)[1] / np.outer([1.0, self.origin.length], [1.0, self.origin.length])
         return bool(np.linalg.matrix_rank(K, tol=1e-12 * np.abs(K).max(initial=1e-300)) < len(K))
 
-    def solve_cases(self, control: Control, targets: Array, arm: float = 0.0) -> tuple[Array, Array, NDArray[np.int8]]:
-        """Return states, loads (n, 2) and a mark reached (n,) of independent targets, each from the origin."""
-        drive, aims = equations(control, np.asarray(targets, dtype=float), arm, self.table.load_scale)
-        states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
-        solve_cases(self.arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
-        return states, loads, reached
+    def solve_cases(self, loads: Array) -> tuple[Array, Array, NDArray[np.int8]]:
+        """Return states, loads (n, 2) and a mark reached (n,) of independent loads (H, M), each from the origin."""
+        return cases(self.arrays, *equations("load", np.asarray(loads, dtype=float), 0.0, self.table.load_scale))
 
     def loads_at(self, u: float, rotation: float) -> tuple[Array, Array]:
         """Return the loads (H [N], M [N m]) of the backbone at a state, and their tangent (2, 2) to (u, rotation)."""
@@ -246,6 +243,13 @@ class Response(Protocol):
         between: that of springs between two vertical loads.
         """
         return between
+
+
+def cases(arrays: SpringArrays, drive: Drive, aims: Array) -> tuple[Array, Array, NDArray[np.int8]]:
+    """Return states, loads (n, 2) and a mark reached (n,) of independent right sides c (n, 2), each from the origin."""
+    states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
+    solve_cases(arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
+    return states, loads, reached
 
 
 def other_load(origin: SpringPath, V: Array) -> str:

@@ -19,10 +19,10 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MOTIONS
 from pysprings.core.words import sudden
-from pysprings.macro.answer import Care, trace
+from pysprings.macro.answer import trace
 from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
-from pysprings.macro.predict import Asking, impose, model_of, predict
+from pysprings.macro.predict import Asking, impose, model_of, parts_of, predict
 
 DOFS = MOTIONS
 NO_TORSION = "torsion (rot_z) is not known, as no full model has computed it: its row and column are 0"
@@ -78,11 +78,7 @@ def stiffness(springs: AnySprings | MacroModel, **question: Unpack[Question]) ->
     table without a vertical path. Raises as `predict` does.
     """
     load, form, asking = _parts(question)
-    if not load:
-        matrix, name = initial(springs, asking)
-    else:
-        model = _model(springs, load, asking)
-        matrix, name = _at_state(model, _state(model, load, asking), form)
+    matrix, name = _at_state(*_asked(springs, load, asking), form) if load else initial(springs, asking)
     return _array(in_form(matrix, form), name, form)
 
 
@@ -104,11 +100,9 @@ def stiffness_six(springs: AnySprings | MacroModel, **question: Unpack[Question]
     load, form, asking = _parts(question)
     if not has_six(springs):
         raise refused("springs", "springs from a table have no vertical stiffness: a 6x6 matrix needs springs.nc")
-    if not load:
-        matrix, name = initial(springs, asking)
-    else:
-        model = _model(springs, load, asking)
-        return six_at_state(model, _state(model, load, asking), form)
+    if load:
+        return six_at_state(*_asked(springs, load, asking), form)
+    matrix, name = initial(springs, asking)
     return _six(in_form(matrix, form), in_form(matrix, form), torsion_of(springs), (name, form))
 
 
@@ -129,9 +123,8 @@ def initial(springs: AnySprings | MacroModel, asking: Asking | None = None) -> t
     """Return the stiffness at rest, (3, 3) or (2, 2), and what it is."""
     known, name = _known(springs)
     if known is None:
-        return _model(
-            springs, Load(), asking or Asking()
-        ).tangent_stiffness().values, "stiffness of the springs at rest"
+        model = model_of(springs, **parts_of(asking or Asking())[1])
+        return model.tangent_stiffness().values, "stiffness of the springs at rest"
     return known, name
 
 
@@ -232,12 +225,11 @@ def form_words(form: Form) -> str:
     return f"{point}{', symmetric part' if form.get('symmetric') else ''}"
 
 
-def _state(model: MacroModel, load: Load, asking: Asking) -> xr.Dataset:
-    care: Any = {name: value for name, value in asking.items() if name in Care.__annotations__}
-    given: Any = dict(load)
-    if {"u", "rotation"} & set(given):
-        return impose(model, **given, **care)
-    return predict(model, **given, **care)
+def _asked(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> tuple[MacroModel, xr.Dataset]:
+    """Return the model that a question is for, and its state under the load, or at the motion."""
+    (care, choice), given = parts_of(asking), dict[str, Any](load)
+    model = model_of(springs, V=load.get("V"), **choice)
+    return model, (impose if {"u", "rotation"} & set(load) else predict)(model, **given, **care)
 
 
 def _at_state(model: MacroModel, state: xr.Dataset, form: Form) -> tuple[Array, str]:
@@ -294,11 +286,6 @@ def _with_w(model: MacroModel, motions: Array, V: float, span: tuple[float, floa
     found[:, ::2, ::2] = matrices[:, ::2, ::2] - h[:, :, None] * (g / b[:, None])[:, None, :]
     found[:, ::2, 1], found[:, 1, 1], found[:, 1, ::2] = h / b[:, None], 1.0 / b, -g / b[:, None]
     return np.where((b > 0.0)[:, None, None], found, matrices)
-
-
-def _model(springs: AnySprings | MacroModel, load: Load, asking: Asking) -> MacroModel:
-    choice: Any = {name: value for name, value in asking.items() if name in ("springs_kind", "path")}
-    return model_of(springs, V=load.get("V"), **choice)
 
 
 def _parts(question: Question) -> tuple[Load, Form, Asking]:

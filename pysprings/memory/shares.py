@@ -26,7 +26,8 @@ import numpy as np
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.macro.fan import FanTable, reaction_rows
-from pysprings.macro.solver import FAN, SpringArrays, solve_cases
+from pysprings.macro.response import cases
+from pysprings.macro.solver import FAN, SpringArrays
 from pysprings.macro.ways import RANGE_SLACK, equations
 from pysprings.memory.elements import FRICTIONAL, GAP, PLASTIC, PLATES, REVERSIBLE, histories
 from pysprings.memory.water import Water, ridge_fit, water_of
@@ -111,8 +112,7 @@ def _pulls(table: FanTable) -> Iterator[tuple[str, Array, Array]]:
     targets = np.geomspace(FIRST, 1.0, POINTS)[:, None] * [float(table.range.max()), 0.0]
     for arm in ARMS:
         drive, aims = equations("displacement", targets, arm * table.length, table.load_scale)
-        states, loads, reached = np.zeros(aims.shape), np.zeros(aims.shape), np.zeros(len(aims), dtype=np.int8)
-        solve_cases(arrays, drive, np.ascontiguousarray(aims), states, loads, reached)
+        states, _, reached = cases(arrays, drive, aims)
         states = states[(reached > 0) & (table.support(states)[0] <= 1.0 + RANGE_SLACK)]
         if states.size:
             yield f"pull at {arm:g} L", states * [1.0, table.length], table.rows(states)

@@ -353,7 +353,7 @@ def change_by_tables(springs: Springs, smooth: MacroModel, straight: MacroModel)
         for step in (path.n // 4, path.n // 2, path.n - 1):
             a, b = (model.reactions(path.u[step], path.rotation[step])[0] for model in (smooth, straight))
             load = np.maximum(load, _relative(a, b, smooth.length))
-            both = [model.solve_cases("load", a[None]) for model in (smooth, straight)]
+            both = [model.response.solve_cases(a[None]) for model in (smooth, straight)]
             if all(reached[0] for _, _, reached in both):
                 (x,), (y,) = (states for states, _, _ in both)
                 motion = np.maximum(motion, _relative(x, y, 1.0 / smooth.length))

@@ -408,7 +408,7 @@ def test_calculix_finds_what_predict_finds(
     check(answers, expected, error)
     straight = with_tables(made, tables(made, points))
     loads = np.array([[H, H * arm] for H, arm, _ in CASES])
-    np.testing.assert_allclose(answers[:, :2], straight.solve_cases("load", loads)[0], rtol=1e-6)
+    np.testing.assert_allclose(answers[:, :2], straight.response.solve_cases(loads)[0], rtol=1e-6)
 
 
 def spring_tables(text: str) -> list[list[tuple[float, float]]]:
