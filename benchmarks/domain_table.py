@@ -14,7 +14,7 @@ import numpy as np
 
 from fe_engine.clock import Clock
 from fe_engine.state import State
-from pysprings.full_model.work import make_engine
+from pysprings.full_model.work import newton_of
 from pysprings.model.forecast import domain_effect
 from pysprings.model.fourier import build_on_section
 from pysprings.model.fourier_mesh import FRICTIONAL, PRESETS
@@ -38,9 +38,9 @@ def stiffness(slenderness: float, beside: float, below: float, poisson: float, s
         "path": [{"name": "pull", "kind": "pull", "lateral_displacement": 1e-3}],
     })  # fmt: skip
     built = build_on_section(scene, PRESETS[FRICTIONAL]["medium"])
-    engine = make_engine(scene, built, Clock())
-    matrix = 2.0 * engine.newton.border_stiffness(State(built.model))
-    engine.newton.close()
+    newton = newton_of(scene, built, Clock())
+    matrix = 2.0 * newton.border_stiffness(State(built.model))
+    newton.close()
     return np.diag(matrix)
 
 

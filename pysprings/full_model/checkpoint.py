@@ -247,19 +247,19 @@ class Checkpoints:
     @property
     def harmonics(self) -> int | None:
         """Number of harmonics of the run that was interrupted here; None of bricks, and where nothing can be read."""
-        try:
-            number = read(self.place / _START).meta["harmonics"]
-        except (OSError, Damaged, LookupError, TypeError):
-            return None
+        number = self._about().get("harmonics")
         return None if number is None else int(number)
 
     def are_of(self, scene_sha256: str) -> bool:
         """Return whether the checkpoints can be read and belong to a run of this scene."""
+        return bool(self._about().get("identity", {}).get("scene") == scene_identity(scene_sha256))
+
+    def _about(self) -> dict[str, Any]:
+        """Return what is known of the run that was interrupted here; nothing where it cannot be read."""
         try:
-            digests = read(self.place / _START).meta["identity"]["scene"]
+            return read(self.place / _START).meta
         except (OSError, Damaged, LookupError, TypeError):
-            return False
-        return bool(digests == scene_identity(scene_sha256))
+            return {}
 
 
 def scene_identity(sha256: str) -> str:

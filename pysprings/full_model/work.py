@@ -62,7 +62,7 @@ class Whole:
     def newton(self) -> Newton:
         """What solves it, made where a path runs."""
         with self.clock.phase("set-up"):
-            return make_engine(self.scene, self.built, self.clock).newton
+            return newton_of(self.scene, self.built, self.clock)
 
     @property
     def system(self) -> FourierSystem:
@@ -90,7 +90,6 @@ class Work:
 
     scene: Scene
     built: Built | BuiltFourier
-    system: System | FourierSystem
     newton: Newton
     clock: Clock
     progress: Progress
@@ -120,6 +119,11 @@ class Work:
                 built = build_fourier(self.scene, whole=True)
             self._whole = Whole(self.scene, self.clock, built, axisymmetric(2.0 * self.stiffness, torsion=self.torsion))
         return self._whole
+
+    @property
+    def system(self) -> System | FourierSystem:
+        """The system that Newton solves."""
+        return self.newton.system
 
     @property
     def vertical_load(self) -> float:
@@ -222,13 +226,13 @@ def prepare(scene: Scene, clock: Clock, progress: Progress) -> Work:
             raise refused("mesh", str(error)) from error
     with clock.phase("set-up"):
         try:
-            engine = make_engine(scene, built, clock)
+            newton = newton_of(scene, built, clock)
         except LinearSolverError as error:
             raise ResourceError(str(error)) from error
-    unknowns = engine.system.pattern.n_unknowns + built.model.n_border
+    unknowns = newton.system.pattern.n_unknowns + built.model.n_border
     progress("model", 1.0, f"{built.model.mesh.n_nodes} nodes, {unknowns} unknowns")
     remarks = [*domain_effect(scene).remarks, *penalty_of(scene).remarks, *fast_paths(scene, built.model.mesh)]
-    return Work(scene, built, engine.system, engine.newton, clock, progress, warnings=remarks)
+    return Work(scene, built, newton, clock, progress, warnings=remarks)
 
 
 def symmetric_but_for_rounding(stiffness: np.ndarray) -> np.ndarray:
@@ -302,26 +306,18 @@ def _factorise_and_solve(stage: FactorStage, linear: Residual, tangent: Any) -> 
     stage.solver.solve(np.column_stack([-linear.free, tangent.columns]))
 
 
-@dataclass(frozen=True)
-class Engine:
-    """A system and what solves it."""
-
-    system: System | FourierSystem
-    newton: Newton
-
-
-def make_engine(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Engine:
-    """Make a built model ready to run. Raises LinearSolverError."""
+def newton_of(scene: Scene, built: Built | BuiltFourier, clock: Clock) -> Newton:
+    """Return what solves the system of a built model. Raises LinearSolverError."""
     settings = Settings(scene.solver.tolerance, scene.solver.max_iterations)
     if isinstance(built, BuiltFourier):
         series = FourierSystem(built.model, clock)
-        return Engine(series, Newton(series, FourierStage(series, clock), settings))
+        return Newton(series, FourierStage(series, clock), settings)
     bricks = System(built.model, clock)
     wet, symmetric = built.model.water is not None, built.model.symmetric
     solver = LinearSolver(scene.solver.linear, bricks.pattern.n_free, clock, wet, symmetric)
     if scene.drainage.mode == "undrained":  # volumes hardly change: a small residual does not bound the pressures
         settings = replace(settings, shares=(EXACT, EXACT))
-    return Engine(bricks, Newton(bricks, solver, settings))
+    return Newton(bricks, solver, settings)
 
 
 def make_collector(

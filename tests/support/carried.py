@@ -71,7 +71,7 @@ def push(scene: Scene, built: Built | None = None, symmetric: bool | None = None
     half = model.symmetric if symmetric is None else symmetric
     solver = LinearSolver(scene.solver.linear, system.pattern.n_free, clock, model.water is not None, half)
     newton = Newton(system, solver, Settings(scene.solver.tolerance, scene.solver.max_iterations, recycling=OWN))
-    run = PathRun(Work(scene, built, system, newton, clock, lambda *_: None), scene.paths[0])
+    run = PathRun(Work(scene, built, newton, clock, lambda *_: None), scene.paths[0])
     run.run()
     newton.close()
     assert run.ending == COMPLETE, run.ending.failure

@@ -20,7 +20,7 @@ from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute
 from pysprings.full_model.fourier_collect import around, output_azimuths
 from pysprings.full_model.record import DEAD_LOAD
-from pysprings.full_model.work import make_engine
+from pysprings.full_model.work import newton_of
 from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.resources import size_of
 from pysprings.model.fourier import build_fourier, build_on_section, section_counts_of
@@ -85,8 +85,8 @@ def test_the_load_does_not_depend_on_the_elements_across_the_tip():
 def pulled(given, counts):
     """Return the load (N, half the caisson) at the end of the first path of a scene on these counts."""
     built = build_on_section(given, counts)
-    engine = make_engine(given, built, Clock())
-    driver, loads = Driver(engine.newton, State(built.model)), []
+    newton = newton_of(given, built, Clock())
+    driver, loads = Driver(newton, State(built.model)), []
     for stage in path_stages(given, given.paths[0], built.extra_load):
         driver.run(stage, lambda step: loads.append(float(step.multipliers[0])))
     return loads[-1]
@@ -133,7 +133,7 @@ def test_elastic_stiffness_is_that_of_an_independent_solution(penalty, wanted):
         mesh={"discretisation": "fourier", "preset": "paper", "harmonics": 1},
     )  # fmt: skip
     built = build_fourier(given)
-    k = 2e-6 * make_engine(given, built, Clock()).newton.border_stiffness(State(built.model))
+    k = 2e-6 * newton_of(given, built, Clock()).border_stiffness(State(built.model))
     found = [k[0, 0], k[0, 2], k[2, 2], k[0, 0] - k[0, 2] ** 2 / k[2, 2]]
     np.testing.assert_allclose(found, wanted, rtol=4e-3)
 

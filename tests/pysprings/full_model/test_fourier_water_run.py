@@ -16,7 +16,7 @@ from fe_engine.state import State
 from pysprings.core import variables
 from pysprings.full_model.checkpoint import Checkpoints
 from pysprings.full_model.compute import compute, run
-from pysprings.full_model.work import make_engine
+from pysprings.full_model.work import newton_of
 from pysprings.model import water
 from pysprings.model.contact import SURFACE
 from pysprings.model.forecast.resources import size_of
@@ -260,8 +260,8 @@ def test_a_long_step_has_the_drained_stiffness() -> None:
     found = []
     for each, time in ((slow, 1e12), (drained, 0.0), (slow, undrained_time(slow, build_fourier(slow).section.mesh))):
         built = build_fourier(each)
-        engine = make_engine(each, built, Clock())
-        engine.system.time_step = time
-        found.append(engine.newton.border_stiffness(State(built.model)))
+        newton = newton_of(each, built, Clock())
+        newton.system.time_step = time
+        found.append(newton.border_stiffness(State(built.model)))
     np.testing.assert_allclose(found[0], found[1], rtol=1e-6, atol=1e-6 * np.abs(found[1]).max())
     assert found[2][0, 0] > 1.05 * found[1][0, 0]

@@ -11,7 +11,7 @@ from fe_engine.clock import Clock
 from fe_engine.state import State
 from pysprings import Scene
 from pysprings.full_model.compute import compute
-from pysprings.full_model.work import make_engine
+from pysprings.full_model.work import newton_of
 from pysprings.model.fourier import build
 from pysprings.scene.sections import PAPER
 from pysprings.springs.checks import extract_springs
@@ -35,7 +35,7 @@ LOOSE_OVER_DENSE: list[dict[str, Any]] = [
 def stiffness(scene: Scene) -> np.ndarray:
     """Stiffness (3, 3) over (u, w, rotation) of the whole caisson at rest, in MN and m."""
     built = build(scene)
-    return 2e-6 * make_engine(scene, built, Clock()).newton.border_stiffness(State(built.model))
+    return 2e-6 * newton_of(scene, built, Clock()).border_stiffness(State(built.model))
 
 
 @pytest.mark.parametrize(

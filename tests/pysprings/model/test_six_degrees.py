@@ -19,7 +19,7 @@ from fe_engine.state import State
 from pysprings import Scene
 from pysprings.core.variables import TORSION
 from pysprings.full_model import compute, work as work_module
-from pysprings.full_model.work import make_engine, prepare
+from pysprings.full_model.work import newton_of, prepare
 from pysprings.model.contact import SURFACE
 from pysprings.model.fourier import BuiltFourier, build_fourier
 from pysprings.scene.sections import PAPER, PAPER_SOIL
@@ -53,8 +53,8 @@ class Rig:
 def rig(scene, whole=True):
     """Return a model at rest."""
     built = build_fourier(scene, whole)
-    engine = make_engine(scene, built, Clock())
-    return Rig(built, engine.newton, Driver(engine.newton, State(built.model)), [])
+    newton = newton_of(scene, built, Clock())
+    return Rig(built, newton, Driver(newton, State(built.model)), [])
 
 
 def scene_of(soil, preset="coarse", harmonics=2, **sections):

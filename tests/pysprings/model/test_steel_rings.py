@@ -15,7 +15,7 @@ from fe_engine.solve.stepping import Driver
 from fe_engine.state import State, initial_fields
 from pysprings.full_model.compute import compute
 from pysprings.full_model.fourier_collect import FourierCollector
-from pysprings.full_model.work import make_engine
+from pysprings.full_model.work import newton_of
 from pysprings.model.forecast import resources
 from pysprings.model.forecast.estimate import describe
 from pysprings.model.fourier import build, build_fourier
@@ -103,7 +103,7 @@ def test_stiff_steel_is_the_rigid_caisson(mode):
 
 def pulled(given, built):
     """Loads (N, half the caisson) of the steps of the pull, on a model."""
-    driver, loads = Driver(make_engine(given, built, Clock()).newton, State(built.model)), []
+    driver, loads = Driver(newton_of(given, built, Clock()), State(built.model)), []
     for stage in path_stages(given, given.paths[0], built.extra_load):
         driver.run(stage, lambda step: loads.append(float(step.multipliers[0])))
     return loads
@@ -120,11 +120,11 @@ def test_the_section_is_the_rigid_one_and_what_has_bent_and_turns_oval():
 
 def test_mean_fibre_and_diameters_are_those_of_the_walls_around_the_ring():
     """Beside plain sums over 64 azimuths of both walls."""
-    from pysprings.full_model.work import make_engine
+    from pysprings.full_model.work import newton_of
 
     given = scene()
     built = build_fourier(given)
-    system = make_engine(given, built, Clock()).system
+    system = newton_of(given, built, Clock()).system
     state = initial_fields(built.model)
     state.displacement[:] = 1e-3 * np.random.default_rng(2).normal(size=state.displacement.shape)
     state.displacement[:, 1, 0] = 0.0

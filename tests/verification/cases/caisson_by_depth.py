@@ -17,7 +17,7 @@ import numpy as np
 from fe_engine.clock import Clock
 from fe_engine.state import State
 from pysprings import Scene
-from pysprings.full_model.work import make_engine
+from pysprings.full_model.work import newton_of
 from pysprings.model.fourier import build
 from pysprings.scene.sections import PAPER
 from tests.support import tiny
@@ -62,7 +62,7 @@ SHORT = (1.0, 0.25)
 def five(scene: Scene) -> np.ndarray:
     """Return K_H, K_C, K_M, K_free and K_V of the whole caisson at rest, in N and m."""
     built = build(scene)
-    k = 2.0 * make_engine(scene, built, Clock()).newton.border_stiffness(State(built.model))
+    k = 2.0 * newton_of(scene, built, Clock()).border_stiffness(State(built.model))
     return np.array([k[0, 0], k[0, 2], k[2, 2], k[0, 0] - k[0, 2] * k[2, 0] / k[2, 2], k[1, 1]])
 
 
