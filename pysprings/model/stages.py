@@ -64,11 +64,11 @@ def path_stages(
     if path.in_space:
         start = _first_strain(scene) * scene.caisson.outer_diameter
         stages = space_stages(scene, path, extra_load, balanced, start)
-        if scene.drainage.mode == "undrained":
-            stages = [replace(stage, duration=undrained_time) for stage in stages]
     else:
-        stages = _stages(scene, path, extra_load, undrained_time)
-        stages += _further(scene, path, stages[-1], undrained_time, balanced)
+        stages = _stages(scene, path, extra_load)
+        stages += _further(scene, path, stages[-1], balanced)
+    if scene.drainage.mode == "undrained":
+        stages = [replace(stage, duration=undrained_time) for stage in stages]
     stages = _viscous(scene, path, stages)
     w = (MOTIONS if path.in_space else DOFS).index("w")
     return [replace(stage, target=stage.target + rest * stage.control[:, w]) for stage in stages] if rest else stages
@@ -119,25 +119,25 @@ def _viscous(scene: Scene, path: Path, stages: list[Stage]) -> list[Stage]:
     return viscous
 
 
-def _stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
-    """Return the stages of the first part of a path that starts at w = 0."""
+def _stages(scene: Scene, path: Path, extra_load: float) -> list[Stage]:
+    """Return the stages of the first part of a path that starts at w = 0, not yet with the time of undrained ones."""
     if PATH_KINDS[path.kind].in_turn:
-        return _stages_in_turn(scene, path, extra_load, undrained_time)
+        return _stages_in_turn(scene, path, extra_load)
     if path.arm_from is not None:
-        return _climbing_stages(scene, path, extra_load, undrained_time)
+        return _climbing_stages(scene, path, extra_load)
     end = imposed_end(path)
-    duration = undrained_time if scene.drainage.mode == "undrained" else _time(path.rate, path.duration, 0.0, end)
+    duration = _time(path.rate, path.duration, 0.0, end)
     return [_stage(scene, path, path.name, (0.0, end), path.report_at, extra_load, duration)]
 
 
-def _further(scene: Scene, path: Path, before: Stage, undrained_time: float, balanced: float) -> Iterator[Stage]:
+def _further(scene: Scene, path: Path, before: Stage, balanced: float) -> Iterator[Stage]:
     """Yield the stages of what follows (`then`) after the last stage of the first part."""
     start, extra_load = imposed_end(path), float(before.force[1])
     for number, then in enumerate(path.then, 1):
         if then.load is not None:
             extra_load = extra_load_of(then.load, balanced)
         end = start if then.value is None else then.value
-        duration = undrained_time if scene.drainage.mode == "undrained" else _time(then.rate, then.time, start, end)
+        duration = _time(then.rate, then.time, start, end)
         stage = _stage(scene, path, f"{path.name}, then {number}", (start, end), (), extra_load, duration)
         if then.value is None:  # whatever is imposed stays
             stage = replace(stage, target=before.target, force=np.array([before.force[0], extra_load, before.force[2]]))
@@ -161,25 +161,22 @@ def _with_second(scene: Scene, path: Path, stage: Stage, before: Stage, second: 
     return replace(stage, target=target, force=force, first_fraction=small, max_fraction=large)
 
 
-def _stages_in_turn(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
+def _stages_in_turn(scene: Scene, path: Path, extra_load: float) -> list[Stage]:
     """Return a translation, then a rotation at its displacement; the tip turns at the rate of the lid."""
     u, turn, length = imposed_end(path), _need(path.rotation), scene.caisson.skirt_length
-    times = [0.0, 0.0] if path.rate is None else [abs(u) / path.rate, abs(turn) * length / path.rate]
-    if scene.drainage.mode == "undrained":
-        times = [undrained_time, undrained_time]
-    first = _stage(scene, path, path.name, (0.0, u), path.report_at, extra_load, times[0])
+    first = _stage(scene, path, path.name, (0.0, u), path.report_at, extra_load, _time(path.rate, None, 0.0, u))
     small, large = _step_fractions(scene, path, turn * length)
     second = replace(
         first, name=f"{path.name}, then turned", target=np.array([u, turn, *first.target[2:]]), stops=(1.0,),
-        duration=times[1], first_fraction=small, max_fraction=large,
+        duration=_time(path.rate, None, 0.0, turn * length), first_fraction=small, max_fraction=large,
     )  # fmt: skip
     return [first, second]
 
 
-def _climbing_stages(scene: Scene, path: Path, extra_load: float, undrained_time: float) -> list[Stage]:
+def _climbing_stages(scene: Scene, path: Path, extra_load: float) -> list[Stage]:
     """Return a load that grows at its first height, and then climbs to its last one: M grows under constant H and V."""
     grows = path.model_copy(update={"arm": path.arm_from, "arm_from": None})
-    (first,) = _stages(scene, grows, extra_load, undrained_time)
+    (first,) = _stages(scene, grows, extra_load)
     moment = 0.5 * imposed_end(path) * (path.arm - _need(path.arm_from))
     force = first.force + np.array([0.0, 0.0, moment])
     second = replace(first, name=f"{path.name}, then climbing", force=force, stops=(1.0,))
@@ -418,7 +415,9 @@ def _times(path: Path, parts: int) -> list[float]:
 def _stepped(scene: Scene, stage: Stage, travel: float, first: float) -> Stage:
     """Return a stage with its steps, the first one of ``first`` (m)."""
     start = scene.solver.first_step_fraction or (min(1.0, first / travel) if travel else 0.01)
-    return replace(stage, first_fraction=start, max_fraction=max(start, scene.solver.max_step_fraction or 0.05))
+    return replace(
+        stage, first_fraction=start, max_fraction=max(start, scene.solver.max_step_fraction or _LARGEST_STEP)
+    )
 
 
 def lengths_of(scene: Scene, control: np.ndarray) -> np.ndarray:
