@@ -28,6 +28,7 @@ from pysprings.full_model.cavitation import Watch
 from pysprings.full_model.volume import Volume
 from pysprings.model.build import Built, moments
 from pysprings.model.contact import SURFACE
+from pysprings.model.fourier import SIDES
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,6 @@ def slices_of_elements(line: np.ndarray) -> SkirtSlices:
     for e, (top, bottom) in enumerate(bounds):
         shares[e, 2 * e : 2 * e + 3] = bottom - top
     return SkirtSlices(line, bounds, bounds.mean(axis=1), shares / shares.sum(axis=0))
-
-
-SIDES = {"outside": "outer", "inside": "inner"}
 
 
 class Collector(Watch):

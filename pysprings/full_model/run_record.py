@@ -381,10 +381,6 @@ class RunRecord(_Part):
         """Reasons of the paths that stopped."""
         return [path.reason for path in self.paths.values() if path.reason is not None]
 
-    def replace(self, **changes: Any) -> Self:
-        """Return the record with some fields changed."""
-        return dataclasses.replace(self, **changes)
-
     def as_json(self) -> str:
         """Return the record as JSON text on one line."""
         return json.dumps(self.as_dict())

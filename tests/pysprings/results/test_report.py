@@ -8,6 +8,7 @@ import json
 import re
 import tomllib
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -156,7 +157,7 @@ def test_states_are_those_of_a_free_head_whatever_its_name(kind: str, shown: str
 def test_the_summary_is_first_and_every_link_of_the_contents_has_its_part(
     result: xr.DataTree, springs: xr.DataTree
 ) -> None:
-    run = RUN.replace(summary={"loads": "H 4 MN"})
+    run = replace(RUN, summary={"loads": "H 4 MN"})
     page = Page(report.render(ReportData(result, springs, None, run)))
     assert "Macro-model against full model" not in page.text and validity.compare_table(pd.DataFrame()) is None
     heads = [
