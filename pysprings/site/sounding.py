@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pysprings.core.arrays import Array
-from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.tables import TableNote
 from pysprings.scene.profile_table import WATER
 
@@ -69,7 +69,7 @@ class Sounding:
         """Return the rows down to a depth (m)."""
         own = self.depth <= depth
         if own.sum() < 3:
-            raise UserInputError([Problem(self.place, message=f"holds {int(own.sum())} rows down to {depth:g} m")])
+            raise refused(None, f"holds {int(own.sum())} rows down to {depth:g} m", self.place)
         rows = ("depth", "cone", "sleeve", "pressure", "corrected")
         return replace(self, **{name: getattr(self, name)[own] for name in rows})
 
@@ -111,7 +111,7 @@ def sounding(
     if good.sum() < 3:
         below = f" below the pre-drilled depth of {drilled:g} m" if drilled > 0.0 else ""
         message = f"{name}: {int(good.sum())} rows with depth and cone resistance{below}: a CPT needs three at least"
-        raise UserInputError([Problem(place, message=message)])
+        raise refused(None, message, place)
     notes += _order(place, name, depth[good])
     if count := int((cone < 0.0).sum()):
         least = f"{1e-3 * np.nanmin(cone):.3g} kPa"
@@ -213,7 +213,7 @@ def _without_voids(place: str, test: str, name: str, values: Array) -> tuple[Arr
         out[np.abs(out) > most] = np.nan
     elif largest > most:
         value = f"{what} of {largest * factor:.4g} {unit}, beyond {most * factor:g} {unit}"
-        raise UserInputError([Problem(place, message=f"{test} has {value}: is the unit right?")])
+        raise refused(None, f"{test} has {value}: is the unit right?", place)
     return out, notes
 
 
@@ -232,9 +232,9 @@ def _downward(place: str, name: str, depth: Array, drilled: float) -> tuple[Arra
     finite = depth[np.isfinite(depth)]
     negative = finite.size > 0 and np.median(finite) < 0.0
     if negative and (finite.max() > ABOVE or -finite.max() > drilled + SUBMERGED):
-        raise UserInputError([Problem(place, message=f"{name}: depths are negative and {_elevations(finite)}")])
+        raise refused(None, f"{name}: depths are negative and {_elevations(finite)}", place)
     if not negative and are_elevations(finite):
-        raise UserInputError([Problem(place, message=f"{name}: depths fall from row to row and {_elevations(finite)}")])
+        raise refused(None, f"{name}: depths fall from row to row and {_elevations(finite)}", place)
     return (-depth, ["depths are negative: taken as depths below mudline"]) if negative else (depth, [])
 
 
@@ -258,7 +258,7 @@ def _order(place: str, name: str, depth: Array) -> list[str]:
         above, below = depth[falls[0]], depth[falls[0] + 1]
         what = f"{name}: the depth falls from {above:g} to {below:g} m from one row to the next"
         message = f"{what}: several tests in one? name them in a column Location, or give each a file"
-        raise UserInputError([Problem(place, message=message)])
+        raise refused(None, message, place)
     return ["rows are not in the order of their depth: sorted"]
 
 
@@ -277,7 +277,7 @@ def _refuse_units(place: str, test: str, depth: Array, cone: Array, sleeve: Arra
         (share > MOST_PRESSURE, f"a pore pressure u2 of {share:.3g} times the cone resistance"),
     ):
         if wrong:
-            raise UserInputError([Problem(place, message=f"{test} has {what}: is the unit right?")])
+            raise refused(None, f"{test} has {what}: is the unit right?", place)
 
 
 def _median(values: Array, default: float) -> float:

@@ -68,11 +68,6 @@ def slice_heights(dataset: xr.Dataset) -> np.ndarray:
     return bounds[:, 1] - bounds[:, 0]
 
 
-def net_m(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the distributed moment of both sides [N m/m], (depth, step)."""
-    return dataset["m"].sum("side", keep_attrs=True).transpose("depth", "step")
-
-
 def by_depth(dataset: xr.Dataset, name: str) -> np.ndarray:
     """Return a reaction per depth, both sides together, (depth, step): "p", "t" [N/m], "m" [N m/m]."""
     variable = dataset.variables[name]

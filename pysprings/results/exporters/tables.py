@@ -19,7 +19,7 @@ from pysprings.core.arrays import Array, Integers
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.springs.path import RecordedPath, paths_of, space_paths_of
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import by_depth, displacement_at, net_m
+from pysprings.springs.sums import by_depth, displacement_at
 
 # Column -> variable of a result path. The order is part of the public contract.
 LOAD_DISPLACEMENT = {
@@ -216,8 +216,8 @@ def _wide_path(recorded: RecordedPath) -> pd.DataFrame:
     values = {
         "y_m": path["y"].transpose("depth", "step").values,
         "p_N_per_m": by_depth(path, "p"),
-        "m_Nm_per_m": net_m(path).values,
-        "t_N_per_m": path["t"].sum("side").transpose("depth", "step").values,
+        "m_Nm_per_m": by_depth(path, "m"),
+        "t_N_per_m": by_depth(path, "t"),
     }
     if recorded.is_vertical:
         values |= {quantity: np.full_like(values["y_m"], np.nan) for quantity in ("y_m", "p_N_per_m", "m_Nm_per_m")}

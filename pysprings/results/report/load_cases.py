@@ -14,7 +14,7 @@ from pysprings.core.text import number
 from pysprings.results.layout import LOAD_CASES
 from pysprings.springs.path import RecordedPath
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import by_depth, net_m
+from pysprings.springs.sums import by_depth
 from pysprings.springs.tip_zone import on_slices
 
 _COLUMNS = ("depth [m]", "slice [m]", "y [mm]", "p outside [kN/m]", "p inside [kN/m]", "p net [kN/m]",
@@ -45,7 +45,7 @@ def spring_tables(springs: xr.DataTree | None, comparison: pd.DataFrame | None =
 
 
 def _table(name: str, path: xr.Dataset, comparison: pd.DataFrame | None) -> Table:
-    p, m, y = by_depth(path, "p") * 1e-3, net_m(path).values * 1e-3, path["y"].transpose("depth", "step").values * 1e3
+    p, m, y = by_depth(path, "p") * 1e-3, by_depth(path, "m") * 1e-3, path["y"].transpose("depth", "step").values * 1e3
     sides = path["p_component"].sum("component").transpose("side", "depth", "step").values * 1e-3
     order = [str(side) for side in path["side"].values]
     rows = [

@@ -9,7 +9,7 @@ from pysprings.core.storage import write_tree
 from pysprings.springs.checks import open_springs, save_springs, validate_springs
 from pysprings.springs.path import SpringPath, paths_of
 from pysprings.springs.springs import Springs
-from pysprings.springs.sums import balance, by_depth, net_m, slice_heights
+from pysprings.springs.sums import balance, by_depth, slice_heights
 from tests.support.synthetic import DEAD_LOAD, Path, make_result, make_springs
 
 PATHS = (Path("held", arm=8.0, role="held-back"), Path("pull"), Path("push", kind="translation"))
@@ -40,7 +40,6 @@ def test_sums_over_depth():
     assert slice_heights(path).sum() == pytest.approx(4.0)
     lateral = slice_heights(path) @ by_depth(path, "p") + path["H_tip"].values + path["H_lid"].values
     np.testing.assert_allclose(lateral, path["H"].values, atol=1e-8 * np.abs(path["H"].values).max())
-    assert net_m(path).dims == ("depth", "step")
 
 
 def test_balance_sees_a_missing_reaction():
