@@ -251,11 +251,7 @@ def memory_dataset(springs: Springs, elements: ElementSet) -> xr.Dataset:
     data = {name: (dims[name], value, {"units": "1"}) for name, value in values.items()}
     attrs: dict[str, Any] = {"version": VERSION, "reach_m": elements.reach, "residual": elements.residual}
     attrs |= {"heave_growth": shares.growth, "way_m": elements.way}
-    attrs |= {"paths_sha256": digest(springs), "ways": list(elements.errors)}
-    attrs |= {
-        "H_errors": [e[0] for e in elements.errors.values()],
-        "M_errors": [e[1] for e in elements.errors.values()],
-    }
+    attrs |= {"paths_sha256": digest(springs)} | _error_attrs(elements.errors)
     if elements.space is not None:
         for name, of in _SPACE.items():
             data[name] = (of, getattr(elements.space, name.removeprefix("space_")), {"units": "1"})
@@ -267,11 +263,14 @@ def _space_attrs(space: SpaceElements) -> dict[str, Any]:
     """Return what a spring file holds of elements in space beside their rows."""
     return {
         "radius_m": space.radius, "twist_m": space.twist, "space_growth": space.growth, "space_way_m": space.way,
-        "space_residual": space.residual,
-        "torsion_residual": space.torsion_residual, "space_ways": list(space.errors),
-        "space_H_errors": [e[0] for e in space.errors.values()],
-        "space_M_errors": [e[1] for e in space.errors.values()],
-    }  # fmt: skip
+        "space_residual": space.residual, "torsion_residual": space.torsion_residual,
+    } | _error_attrs(space.errors, "space_")  # fmt: skip
+
+
+def _error_attrs(errors: Mapping[str, tuple[float, float]], of: str = "") -> dict[str, Any]:
+    """Return the errors in H and M of each way as a spring file holds them."""
+    ways = {f"{of}ways": list(errors)}
+    return ways | {f"{of}{load}_errors": [pair[k] for pair in errors.values()] for k, load in enumerate("HM")}
 
 
 def _errors(attrs: Mapping[Any, Any], of: str = "") -> dict[str, tuple[float, float]]:

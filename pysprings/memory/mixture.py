@@ -41,7 +41,8 @@ from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import same_load
 from pysprings.macro.solver import Drive
 from pysprings.memory.calibration import ElementSet
-from pysprings.memory.elements import FRICTIONAL, GAP, SHORTEST, STATES, advance, follow, relax
+from pysprings.memory.elements import SHORTEST, STATES, advance, follow, relax
+from pysprings.memory.offered import scaled
 from pysprings.memory.shares import Shares, elastic_of, stiffnesses, ways_of
 from pysprings.memory.water import Water
 
@@ -66,15 +67,6 @@ def mixed(parts: Sequence[tuple[ElementSet, float]]) -> ElementSet:
 def shares_at(V: Array, loads: Array) -> Array:
     """Return the shares (n, k) at vertical loads V (n,) [N] of sets at loads (k,); beyond them that of the nearest."""
     return np.stack([np.interp(V, loads, row) for row in np.eye(len(loads))], axis=-1)
-
-
-def scaled(rows: Array, share: float | Array) -> Array:
-    """Return elements (n, COLUMNS) that carry a share, or each its own (n,), of what these do."""
-    out, each = rows.copy(), np.broadcast_to(share, len(rows))
-    plate = (rows[:, 0] == GAP) | (rows[:, 0] == FRICTIONAL)  # n or t in columns 4 and 5
-    out[:, 4:6] *= np.where(plate, 1.0, each)[:, None]
-    out[:, 6] *= each
-    return out
 
 
 def _shares(parts: Sequence[tuple[ElementSet, float]]) -> Shares:

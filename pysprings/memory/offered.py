@@ -144,9 +144,9 @@ def _moved(parameters: Array, column: int, change: float) -> Array:
 
 
 def _scaled(parameters: Array, column: int, factor: float) -> Array:
-    scaled = parameters.copy()
-    scaled[:, column] *= factor
-    return scaled
+    changed = parameters.copy()
+    changed[:, column] *= factor
+    return changed
 
 
 def plastic_rows(parameters: Array) -> Array:
@@ -221,8 +221,7 @@ class Offered:
         """Return what `in_space` made elements in space of (n, SPACE_COLUMNS); those of torsion are left out."""
         parts = rows[:, COLUMNS:]
         spread, round_ = parts[:, :2].any(axis=1), ~parts.any(axis=1)
-        one = rows[spread, :COLUMNS][: int(spread.sum()) // AZIMUTHS].copy()
-        _share(one, 0.5 * AZIMUTHS)
+        one = scaled(rows[spread, :COLUMNS][: int(spread.sum()) // AZIMUTHS], 0.5 * AZIMUTHS)
         return cls(np.concatenate([rows[round_, :COLUMNS], one]), np.arange(round_.sum() + len(one)) >= round_.sum())
 
     def chosen(self, which: Marks) -> Self:
@@ -260,19 +259,20 @@ def in_space(rows: Array, spread: Marks) -> Array:
     """Return elements in space (m, SPACE_COLUMNS): round ones, and spread ones in each of their planes."""
     round_ = np.zeros((int((~spread).sum()), SPACE_COLUMNS))
     round_[:, :COLUMNS] = rows[~spread]
-    own = rows[spread].copy()
-    _share(own, 2.0 / AZIMUTHS)
+    own = scaled(rows[spread], 2.0 / AZIMUTHS)
     planes = [
         np.hstack([own, np.broadcast_to([np.cos(angle), np.sin(angle), 0.0], (len(own), 3))]) for angle in azimuths()
     ]
     return np.ascontiguousarray(np.concatenate([round_, *planes]))
 
 
-def _share(rows: Array, share: float) -> None:
-    """Multiply the stiffness of elements (n, COLUMNS)."""
-    plate = np.isin(rows[:, 0], PLATES)
-    rows[plate, 6] *= share
-    rows[~plate, 4:7] *= share
+def scaled(rows: Array, share: float | Array) -> Array:
+    """Return elements (n, COLUMNS) that carry a share, or each its own (n,), of what these do."""
+    out, each = rows.copy(), np.broadcast_to(share, len(rows))
+    plate = np.isin(rows[:, 0], PLATES)  # n or t in columns 4 and 5
+    out[:, 4:6] *= np.where(plate, 1.0, each)[:, None]
+    out[:, 6] *= each
+    return out
 
 
 def numbers_of(rows: Array, spread: Marks) -> Integers:

@@ -38,7 +38,7 @@ from pysprings.memory.model import divided_way, joined
 from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
-from pysprings.memory.stepper import StepMarks, checked_step, load_mark, rate_mark
+from pysprings.memory.stepper import StepMarks, check_step, load_mark, rate_mark
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS, STRAIGHT, SpringPath, in_planes, out_of_planes
 from pysprings.springs.path_ends import PathEnd
 from pysprings.springs.springs import Springs
@@ -360,9 +360,7 @@ class SpaceStepper:
         Raises BeyondSprings: the elements do not carry the load.
         Raises UserInputError: neither, or both, are given.
         """
-        if (motion is None) == (load is None):
-            raise refused("motion", "give a motion or a load")
-        checked_step(V, duration)
+        check_step(motion, load, V, duration)
         model, drive = self.model, self.model.drive("load" if motion is None else "state")
         aim, start = (load, self.load) if motion is None else (motion, self.motion)
         way = np.stack([start, model.checked(np.asarray(aim)[None])[0]])

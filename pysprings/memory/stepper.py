@@ -2,7 +2,7 @@
 """Springs with a memory step by step, with a state that is kept."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -118,9 +118,7 @@ class MemoryStepper:
         Raises BeyondSprings: the elements do not carry the load.
         Raises UserInputError: neither, or both, are given, or no two numbers.
         """
-        if (motion is None) == (load is None):
-            raise refused("motion", "give a motion or a load")
-        checked_step(V, duration)
+        check_step(motion, load, V, duration)
         control: Control = "load" if motion is None else "state"
         check_arrays(motion=motion, load=load)
         model, aim = self.model, np.array([load if motion is None else motion], dtype=float)
@@ -235,8 +233,10 @@ class MemoryStepper:
         self._conditions = self._conditions[0], None  # what has drained has
 
 
-def checked_step(V: float | None, duration: float | None) -> None:
-    """Refuse a vertical load [N] or a duration [s] of a step that is no number, or not positive."""
+def check_step(motion: Any, load: Any, V: float | None, duration: float | None) -> None:
+    """Refuse a step to neither a motion nor a load, or to both, a V [N] that is no number, a duration [s] up to 0."""
+    if (motion is None) == (load is None):
+        raise refused("motion", "give a motion or a load")
     check_numbers(V=V, duration=duration)
     if duration is not None and duration <= 0.0:
         raise refused("duration", f"{duration:g} s must be more than 0 s")
