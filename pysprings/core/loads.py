@@ -64,9 +64,11 @@ def same_load(a: float, b: float) -> bool:
     return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
 
 
-def same_loads(values: Array, other: float) -> Marks:
-    """Return which vertical loads (n,) [N] are one with another."""
-    return np.array([same_load(value, other) for value in values], dtype=bool)
+def same_loads(values: Array, other: Array | float) -> Marks:
+    """Return which vertical loads (n,) [N] are one with another, or each with its own (n,)."""
+    largest = np.maximum(np.abs(values), np.abs(other))
+    same: Marks = np.abs(np.subtract(values, other)) <= np.maximum(SAME_LOAD * largest, NO_LOAD)
+    return same
 
 
 def close_loads(values: Array | float, other: Array | float) -> Marks:

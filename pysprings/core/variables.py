@@ -402,6 +402,12 @@ def group_of(path: str, kind: TreeKind) -> str | None:
     return None
 
 
+def described(values: Mapping[str, Any], group: str) -> dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]:
+    """Return values by name with the dimensions and attributes of the table of their group, as xarray takes them."""
+    table = GROUPS[group]
+    return {name: (table[name].dims, value, table[name].attributes()) for name, value in values.items()}
+
+
 def attach(dataset: xr.Dataset, group: str) -> xr.Dataset:
     """Return the dataset with long_name, units, sign and CF attributes from the table of its group."""
     table = GROUPS[group]

@@ -80,11 +80,10 @@ def trace(
 def _timed(model: MacroModel, answer: xr.Dataset, states: Array, time: Array) -> xr.Dataset:
     """Return an answer with the times (n,) [s] of its states, and marks of steps at another rate, from rest at 0 s."""
     values, warnings = rate_marks(model.rate, np.diff(states * [1.0, model.length], axis=0, prepend=0.0), time)
-    known = variables.GROUPS["prediction"]
     if "off_rate" in values and "off_rate" in answer:  # of V
         values["off_rate"] = values["off_rate"] | answer["off_rate"].values
-    described = {name: ("step", each, known[name].attributes()) for name, each in values.items()}
-    return answer.assign(described).assign_attrs(warnings=[*answer.attrs["warnings"], *warnings])
+    timed = answer.assign(variables.described(values, "prediction"))
+    return timed.assign_attrs(warnings=[*answer.attrs["warnings"], *warnings])
 
 
 def rate_marks(rate: float | None, steps: Array, time: Array) -> tuple[dict[str, Array], list[str]]:
@@ -123,18 +122,14 @@ def answer_dataset(model: MacroModel, way: Way) -> xr.Dataset:
         model, states, down.values.get("V")
     )
     values["beyond_end"] = past.astype(np.int8)
-    known = variables.GROUPS["prediction"]
-    data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
-    coords: dict[str, Any] = {"depth": ("depth", depth, known["depth"].attributes()), "step": np.arange(u.size)}
-    if support.water is not None:
-        coords["side"] = ("side", list(variables.SIDES), known["side"].attributes())
+    coords: dict[str, Any] = variables.described({"depth": depth}, "prediction") | {"step": np.arange(u.size)}
+    coords |= variables.described({} if support.water is None else {"side": list(variables.SIDES)}, "prediction")
     tangent = model.tangents(states, down.tangent, way.V)
     coords |= {name: tangent.coords[name].variable for name in ("dof", "dof_conjugate")}
     lateral = tangent.values[:, ::2, ::2] if tangent.shape[1] == 3 else tangent.values
     spread = model.response.deviations(way.control, states, lateral, way.arm or 0.0)
-    data |= {name: (("step",), value, known[name].attributes()) for name, value in spread}
-    attrs = _attributes(model, way, support, turned, down, refusals)
-    return xr.Dataset(data | {"stiffness": tangent.variable}, coords, attrs)
+    data = variables.described(values | dict(spread), "prediction") | {"stiffness": tangent.variable}
+    return xr.Dataset(data, coords, _attributes(model, way, support, turned, down, refusals))
 
 
 def _where_known(support: Support, turned: Turns, off: Marks) -> dict[str, Array]:

@@ -26,7 +26,7 @@ import xarray as xr
 
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Integers, Marks, Texts
-from pysprings.core.loads import close_loads, fewest_loads, nearest, same_load
+from pysprings.core.loads import close_loads, fewest_loads, nearest, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END, SOLVED
@@ -121,9 +121,8 @@ def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Ca
             least = "may leave less: no path leads to it"
             words = f"leaves at least {100.0 * left[k]:.1f} %" if left[k] < 1.0 else least
             out.source[loaded[k]] += f"; at V of the springs, of which this V {words}"
-        for k in np.flatnonzero(~covered(model.vertical, down, own)):
-            if not same_load(down[k], own[k]):
-                out.source[loaded[k]] += f"; at V = {with_prefix(own[k], 'N')} {NOT_AT_V}"
+        for k in np.flatnonzero(~covered(model.vertical, down, own) & ~same_loads(down, own)):
+            out.source[loaded[k]] += f"; at V = {with_prefix(own[k], 'N')} {NOT_AT_V}"
         out.source[loaded[beyond]], none = "V is beyond the largest known vertical load", none | beyond
     largest[none], out.kind[loaded[none]] = np.nan, NOT_KNOWN
     out.H[loaded], out.M[loaded] = (directions * largest[:, None] * [1.0, model.length]).T
@@ -148,10 +147,9 @@ def with_capacity(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:
     size = np.hypot(*(loads / [1.0, model.length]).T)
     loads[size <= SOLVED * size.max(initial=0.0)] = 0.0  # what the solver leaves of no load has no direction
     largest = capacities(model, loads, answer["V"].values if "V" in answer else None)
-    known = variables.GROUPS["prediction"]["utilisation"]
     answer = with_bound(model, answer, loads, largest.utilisation)
     share = np.where(largest.kind == "", 0.0, largest.utilisation)
-    added = answer.assign(utilisation=(known.dims, share, known.attributes()))
+    added = answer.assign(variables.described({"utilisation": share}, "prediction"))
     return added.assign_attrs(largest.attributes())
 
 
@@ -165,9 +163,8 @@ def with_bound(model: MacroModel, answer: xr.Dataset, loads: Array, utilisation:
     if factor is None:
         return answer
     factor = factor if model.attrs.get("drainage") == "total-stress" else np.ones(len(factor))
-    known = variables.GROUPS["prediction"]["unbounded"]
     motions = {name: answer[name] * factor for name in ("u_deviation", "rotation_deviation")}
-    return answer.assign(motions | {known.name: (known.dims, np.isinf(factor).astype(np.int8), known.attributes())})
+    return answer.assign(motions | variables.described({"unbounded": np.isinf(factor).astype(np.int8)}, "prediction"))
 
 
 def _angles(directions: Array) -> Array:

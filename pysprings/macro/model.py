@@ -169,10 +169,9 @@ class MacroModel:
         if self.stiffness_initial is not None:
             matrix = np.zeros((len(states), 3, 3))
             matrix[:, ::2, ::2], matrix[:, 1, 1] = lateral, self.stiffness_initial[1, 1] if down is None else down
-        described = variables.GROUPS["prediction"]
-        coords = {name: (name, dofs, described[name].attributes()) for name in ("dof", "dof_conjugate")}
-        attrs = described["stiffness"].attributes() | {"springs": self.spring_set}
-        return xr.DataArray(matrix, coords, described["stiffness"].dims, attrs=attrs)
+        coords = variables.described({"dof": dofs, "dof_conjugate": dofs}, "prediction")
+        known = variables.GROUPS["prediction"]["stiffness"]
+        return xr.DataArray(matrix, coords, known.dims, attrs=known.attributes() | {"springs": self.spring_set})
 
     def tangent_stiffness(self, u: float = 0.0, rotation: float = 0.0) -> xr.DataArray:
         """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation) at a state: see `tangents`."""

@@ -109,8 +109,8 @@ class SpaceAnswers:
         past = np.logical_or.accumulate(past) & (found["extrapolated"].values == 0)
         texts = [_UNCHECKED.format(past.sum(), len(past), *self.checked)] if past.any() else []
         attrs = {name: [*found.attrs[name], *more] for name, more in (("warnings", texts), ("remarks", [self.errors]))}
-        known = variables.GROUPS["space_prediction"]["unchecked"].attributes()
-        return found.assign(unchecked=("step", past.astype(np.int8), known)).assign_attrs(attrs)
+        mark = variables.described({"unchecked": past.astype(np.int8)}, "space_prediction")
+        return found.assign(mark).assign_attrs(attrs)
 
     def cases(self, pushes: Array, V: Array) -> dict[str, Array]:
         """Return motions and marks (n,) of independent loads (n, 5), each reached in proportion from rest, by name.

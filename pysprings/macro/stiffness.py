@@ -16,7 +16,7 @@ from pysprings.core import variables
 from pysprings.core.arguments import check_numbers
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
-from pysprings.core.loads import same_load
+from pysprings.core.loads import same_load, same_loads
 from pysprings.core.path_kinds import MOTIONS
 from pysprings.core.words import sudden
 from pysprings.macro.answer import trace
@@ -252,7 +252,7 @@ def _coupled(model: MacroModel, states: xr.Dataset) -> Array:
         return matrices
     motions, V = np.stack([states["u"].values, states["rotation"].values], axis=1), states["V"].values
     within = np.clip(V, loads[0], loads[-1])
-    inside = np.array([same_load(*pair) for pair in zip(V, within, strict=True)]) & motions.any(axis=1)
+    inside = same_loads(V, within) & motions.any(axis=1)
     for one in np.unique(within[inside]):
         here, d = inside & (within == one), _SMALL[0] * (loads[-1] - loads[0])
         span = max(one - d, loads[0]), min(one + d, loads[-1])

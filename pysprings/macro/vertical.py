@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pysprings.core.arrays import Array, Marks
-from pysprings.core.loads import close_loads, same_load
+from pysprings.core.loads import close_loads, same_load, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes
 from pysprings.macro.solver import spring_row
@@ -213,9 +213,8 @@ def share_left(table: VerticalTable | None, V: Array, own: Array) -> Array:
     """
     ends = {} if table is None else {branch.sign: branch.largest for branch in table.branches}
     end = np.array([ends.get(float(sign), np.nan) for sign in np.sign(V - own)]).reshape(V.shape)
-    alike = np.array([same_load(a, b) for a, b in zip(V, own, strict=True)], dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(alike, 1.0, (V - end) / (own - end))
+        return np.where(same_loads(V, own), 1.0, (V - end) / (own - end))
 
 
 def covered(table: VerticalTable | None, V: Array, own: Array) -> Marks:

@@ -15,7 +15,7 @@ import xarray as xr
 from pysprings.core import variables
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
-from pysprings.core.loads import same_load, same_loads
+from pysprings.core.loads import same_loads
 from pysprings.core.text import with_prefix
 from pysprings.core.words import RANGE_END, sudden
 from pysprings.macro.model import MacroModel
@@ -84,7 +84,7 @@ def vertical_answer(
     if imposed is None:
         return Down({**_other_rate(model, V, False), "w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
-    other = np.array([not same_load(a, b) for a, b in zip(down, V, strict=True)], dtype=bool)
+    other = ~same_loads(down, V)
     rest = response.rest[1]
     own = np.where(same_loads(V, rest), rest, V)  # on a path V is held to the tolerance of the solver
     far = ~covered(model.vertical, down, own)
@@ -149,19 +149,17 @@ def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
     """Return what the vertical springs answer at the w [m] of a path, with the variables and attrs of a prediction."""
     w = path.w
     rows, nothing = table.reactions(w), np.zeros(w.size)
-    known = variables.GROUPS["prediction"]
     values = {"u": nothing, "w": w, "rotation": nothing, "H": nothing, "V": rows[-1], "M": nothing}
     used = np.array([table.used(float(value)) for value in w])
     marks = {"converged": np.ones(w.size), "extrapolated": used > 1.0 + SLACK, "off_path": nothing, "off_load": nothing}
     marks |= {"turned_back": nothing, "beyond_end": nothing}
     values |= {"range_used": used} | {name: mark.astype(np.int8) for name, mark in marks.items()}
-    data: dict[str, Any] = {name: (known[name].dims, x, known[name].attributes()) for name, x in values.items()}
-    data |= {
+    data: dict[str, Any] = variables.described(values, "prediction") | {
         "t": (("depth", "step"), rows[table.name == "t"], {"units": "N m-1"}),
         "u_at_load": ("step", nothing, {"units": "m"}),
-        "usable": ("depth", np.ones(path.depth.size, dtype=np.int8), known["usable"].attributes()),
     }
-    coords = {"depth": ("depth", path.depth, known["depth"].attributes()), "step": np.arange(w.size)}
+    data |= variables.described({"usable": np.ones(path.depth.size, dtype=np.int8)}, "prediction")
+    coords = variables.described({"depth": path.depth}, "prediction") | {"step": np.arange(w.size)}
     attrs = {"springs": "vertical", "path": table.path, "status": "complete", "message": "", "warnings": []}
     return xr.Dataset(data, coords, attrs)
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import refused
-from pysprings.core.loads import loads_in_words, same_load
+from pysprings.core.loads import loads_in_words, same_loads
 from pysprings.core.units import quoted
 from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
@@ -111,7 +111,7 @@ def turns(control: Control, targets: Array, length: float, V: float | Array | No
         plane = np.stack([targets[:, 0], np.zeros(len(targets))], axis=1)
     aside, back = _leaves(plane)
     if isinstance(V, np.ndarray):
-        change = np.array([0.0 if same_load(value, rest) else value - rest for value in V])
+        change = np.where(same_loads(V, rest), 0.0, V - rest)
         back |= _leaves(np.stack([change, np.zeros_like(change)], axis=1))[1]
     return Turns(aside, back)
 

@@ -38,7 +38,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pysprings.core.arrays import Array, Marks
-from pysprings.core.loads import same_load
+from pysprings.core.loads import same_loads
 from pysprings.macro.solver import Drive
 from pysprings.memory.calibration import ElementSet
 from pysprings.memory.elements import SHORTEST, STATES, advance, follow, relax
@@ -146,7 +146,7 @@ class ChangingLoad:
     def covers(self, V: Array) -> Marks:
         """Return whether vertical loads (n,) [N] lie within those of the sets."""
         low, high = self.loads[[0, -1]]
-        return np.array([low <= load <= high or same_load(load, low) or same_load(load, high) for load in V])
+        return ((low <= V) & (high >= V)) | same_loads(V, low) | same_loads(V, high)
 
     def rows_at(self, V: float) -> Array:
         """Return the elements of all sets (n, COLUMNS) with the stiffness of their shares at V [N]."""

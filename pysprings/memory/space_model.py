@@ -124,29 +124,21 @@ class SpaceSprings:
         """Whether a twist is among the paths: else the caisson does not turn about its axis."""
         return self.elements.twist > 0.0
 
-    @property
-    def _lengths(self) -> tuple[float, float]:
-        return self.length, self.elements.radius
-
-    @property
-    def _per_lengths(self) -> tuple[float, float]:
-        return 1.0 / self.length, 1.0 / self.elements.radius
-
     def motions_of(self, turns: Array) -> Array:
         """Return the motions (n, 5) of elements [m] of (u_x, u_y, rot_x, rot_y, rot_z) (n, 5)."""
-        return np.ascontiguousarray(in_planes(turns, *self._lengths))
+        return np.ascontiguousarray(in_planes(turns, self.length, self.elements.radius))
 
     def loads_of(self, pushes: Array) -> Array:
         """Return the loads (n, 5) of elements [N] of (H_x, H_y, M_x, M_y, T) (n, 5)."""
-        return np.ascontiguousarray(in_planes(pushes, *self._per_lengths))
+        return np.ascontiguousarray(in_planes(pushes, 1.0 / self.length, 1.0 / self.elements.radius))
 
     def turns_of(self, motions: Array) -> Array:
         """Return (u_x, u_y, rot_x, rot_y, rot_z) (n, 5) of motions (n, 5) of elements."""
-        return out_of_planes(motions, *self._lengths)
+        return out_of_planes(motions, self.length, self.elements.radius)
 
     def pushes_of(self, loads: Array) -> Array:
         """Return (H_x, H_y, M_x, M_y, T) (n, 5) of loads (n, 5) of elements."""
-        return out_of_planes(loads, *self._per_lengths)
+        return out_of_planes(loads, 1.0 / self.length, 1.0 / self.elements.radius)
 
     def solve(self, control: SpaceControl, targets: Array) -> tuple[Array, Array, str]:
         """Follow targets (n, 5), SPACE_TURNS ("state") or SPACE_LOADS ("load"), from rest.
@@ -282,9 +274,7 @@ class SpaceSprings:
         turns, pushes, message = self.solve(control, targets)
         own, way, ends = with_prefix(self.V, "N", 6), *self._between(control, targets, turns)
         n, used = len(turns), self.range_used(turns)
-        values: dict[str, Any] = dict(zip(SPACE_TURNS, turns.T, strict=True)) | dict(
-            zip(SPACE_LOADS, pushes.T, strict=True)
-        )
+        values: dict[str, Any] = dict(zip((*SPACE_TURNS, *SPACE_LOADS), (*turns.T, *pushes.T), strict=True))
         values |= {"w": self.heave(way)[ends], "converged": np.ones(n, dtype=np.int8), "range_used": used}
         values |= {"extrapolated": np.logical_or.accumulate(used > 1.0 + RANGE_SLACK).astype(np.int8)}
         apart = self.torsion_apart(pushes)
@@ -307,19 +297,16 @@ class SpaceSprings:
         if time is not None:
             timed, off_rates = rate_marks(self.rate, np.diff(self.motions_of(turns), axis=0, prepend=0.0), time[:n])
             values, warnings = values | timed, warnings + off_rates
-        known = variables.GROUPS["space_prediction"]
-        data = {name: (known[name].dims, value, known[name].attributes()) for name, value in values.items()}
+        values |= zip(("p_x", "p_y"), self.reactions(way)[:, :, ends], strict=True)
+        values["depth_bounds"] = self.origin["depth_bounds"]
         attrs = origin_of(self.attrs) | {
             "springs": "memory", "control": control, "question": "sequence",
             "status": "partial" if message else "complete", "message": message, "warnings": warnings,
             "beyond_range": beyond, "refusals": self._refusals(targets[: n + 1] if control == "load" else pushes, V),
             "remarks": [HEAVE.format(own), *rate_words(self.rate, self.vertical)],
         }  # fmt: skip
-        p = dict(zip(("p_x", "p_y"), self.reactions(way)[:, :, ends], strict=True))
-        p["depth_bounds"] = self.origin["depth_bounds"]
-        by_depth = {name: (known[name].dims, value, known[name].attributes()) for name, value in p.items()}
-        depth = ("depth", self.origin.depth, known["depth"].attributes())
-        return xr.Dataset(data | by_depth, {"step": np.arange(n), "depth": depth}, attrs)
+        coords = {"step": np.arange(n)} | variables.described({"depth": self.origin.depth}, "space_prediction")
+        return xr.Dataset(variables.described(values, "space_prediction"), coords, attrs)
 
 
 class SpaceStepper:
