@@ -72,12 +72,17 @@ def keep(folder: Path) -> None:
 
 
 def _recorded(folder: Path) -> list[object]:
-    try:
-        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return []
-    names = record.get(KEY) if isinstance(record, dict) else None
+    names = _object(folder / "run.json").get(KEY)
     return names if isinstance(names, list) else []
+
+
+def _object(file: Path) -> dict[str, object]:
+    """Return the object of a JSON file; an empty one where there is none, or something else."""
+    try:
+        data = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return data if isinstance(data, dict) else {}
 
 
 CHECKPOINT = "checkpoint"  # folder of the data from which an unfinished run continues
@@ -166,16 +171,11 @@ def exclusive(folder: Path, scene: str = "") -> Iterator[None]:
 
 def scene_of_holder(folder: Path) -> str:
     """Return the SHA-256 of the scene whose run holds a folder, or was killed while it did; blank for none."""
-    try:
-        return str(json.loads((folder / HOLDER).read_text(encoding="utf-8"))["scene"])
-    except (OSError, ValueError, LookupError, TypeError):
-        return ""
+    return str(_object(folder / HOLDER).get("scene", ""))
 
 
 def _holder(folder: Path) -> str:
     """Return a sentence on the process that writes into a folder."""
-    try:
-        holder = json.loads((folder / HOLDER).read_text(encoding="utf-8"))
-        return printable(f"another run (process {holder['pid']} on {holder['host']}) writes into this folder")
-    except (OSError, ValueError, LookupError, TypeError):
-        return "another run writes into this folder"
+    holder = _object(folder / HOLDER)
+    which = f" (process {holder['pid']} on {holder['host']})" if {"pid", "host"} <= holder.keys() else ""
+    return printable(f"another run{which} writes into this folder")

@@ -92,8 +92,7 @@ def predict_batch(
     given = (0.0 if each is None else each for each in (H_x, H_y, M_x, M_y, T))
     x, y, about_x, about_y, torsion, down = _columns(*given, down)
     loads = in_plane(np.stack([x, y], axis=1), np.stack([about_y, -about_x], axis=1))
-    source = springs if isinstance(springs, MacroModel) else typed(springs)
-    answers = answer_from_all_sides(source, loads, torsion, down, extrapolate, **choice)
+    answers = answer_from_all_sides(springs, loads, torsion, down, extrapolate, **choice)
     by_space = answers["in_space"].values == 1 if "in_space" in answers else np.zeros(len(loads.H), dtype=bool)
     return _off_plane(answers, np.where(by_space, 0.0, loads.across))
 

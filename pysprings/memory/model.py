@@ -18,7 +18,7 @@ from pysprings.macro.solver import Drive
 from pysprings.macro.vertical import VerticalTable
 from pysprings.macro.ways import Along, Control, ending, equations
 from pysprings.memory.calibration import ElementSet, beyond_way, numbers_of
-from pysprings.memory.elements import COLUMNS, PLATES, SPACE_COLUMNS, STATES, follow, tangents
+from pysprings.memory.elements import COLUMNS, PLATES, SPACE, SPACE_COLUMNS, SPACE_STATES, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
 from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
 from pysprings.memory.shares import elastic_motions, even_motions, loads_of
@@ -192,19 +192,15 @@ class MemorySprings(FanSprings):
             return super().solve(control, targets, arm, start, V)
         targets = np.asarray(targets, dtype=float)
         drive, aims = self.equations(control, targets, arm)
-        changing = self.under(V)
-        if changing is not None:
-            found, carried, at = changing.follow(drive, aims, _each(V, aims))
-            states, loads, n = found / self.to_motion, carried * self.to_motion, len(found)
-            end = self._target(control, np.array(at))
-            return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
-        states = np.zeros((len(self.elements.rows), STATES))
-        way = np.concatenate([np.zeros((1, 2)), aims])
-        motions, loads = np.zeros(way.shape), np.zeros(way.shape)
-        n, at = follow(self.elements.rows, drive, self.elements.largest, np.zeros(2), states, way, motions, loads)
-        found, carried = motions[1:n] / self.to_motion, loads[1:n] * self.to_motion
-        end = self._target(control, at)
-        return found, carried, "" if n == len(way) else ending(control, end, targets[n - 1], found, carried)
+        changing, elements = self.under(V), self.elements
+        motions, carried, at = (
+            followed(elements.rows, drive, elements.largest, aims)
+            if changing is None
+            else changing.follow(drive, aims, _each(V, aims))
+        )
+        states, loads, n = motions / self.to_motion, carried * self.to_motion, len(motions)
+        end = self._target(control, np.array(at))
+        return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
 
     def between(self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None) -> Between:
         """Return states on the way to states (n, 2) that targets (n, 2) lead to: see `Response`.
@@ -285,6 +281,18 @@ class MemorySprings(FanSprings):
         e, _ = elastic_motions(self.elements.rows, fine, self.elements.largest)
         found = water.along(e, np.interp(at, last, np.concatenate([[0.0], time])), np.zeros(e.shape[1:]), water.rest)
         return found[:, ends.astype(int) - 1]
+
+
+def followed(rows: Array, drive: Drive, largest: float, aims: Array) -> tuple[Array, Array, Array]:
+    """Follow aims (n, m) of the equations of `drive` from rest in steps up to the largest [m], m = 2 or 5.
+
+    Returns motions and loads (k, m) of the aims that were reached, and the right side (m,) where it ended.
+    """
+    m, way = aims.shape[1], np.concatenate([np.zeros_like(aims[:1]), aims])
+    motions, loads = np.zeros(way.shape), np.zeros(way.shape)
+    states = np.zeros((len(rows), SPACE_STATES if m == SPACE else STATES))
+    n, at = follow(rows, drive, largest, np.zeros(m), states, way, motions, loads)
+    return motions[1:n], loads[1:n], at
 
 
 def divided_way(targets: Array, motions: Array, largest: float) -> Between:

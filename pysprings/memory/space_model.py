@@ -34,7 +34,7 @@ from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
 from pysprings.memory.calibration import ElementSet, SpaceElements, beyond_way
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
-from pysprings.memory.model import divided_way, joined
+from pysprings.memory.model import divided_way, followed, joined
 from pysprings.memory.offered import Offered, elastic_motions, evened
 from pysprings.memory.shares import loads_of
 from pysprings.memory.space import SHARE_NOTHING
@@ -149,13 +149,10 @@ class SpaceSprings:
         if control not in ("load", "state"):
             raise refused("control", f"expected 'load' or 'state', not {quoted(str(control))}")
         aims = self.loads_of(rows) if control == "load" else self.motions_of(rows)
-        way = np.concatenate([np.zeros((1, SPACE)), aims])
-        motions, loads = np.zeros(way.shape), np.zeros(way.shape)
-        states = np.zeros((len(self.elements.rows), SPACE_STATES))
-        rest, drive = np.zeros(SPACE), self.drive(control)
-        n, _ = follow(self.elements.rows, drive, self.largest, rest, states, way, motions, loads)
-        message = "" if n == len(way) else f"macro-model: no equilibrium on the way to row {n} of the sequence"
-        return self.turns_of(motions[1:n]), self.pushes_of(loads[1:n]), message
+        motions, loads, _ = followed(self.elements.rows, self.drive(control), self.largest, aims)
+        n = len(motions)
+        message = "" if n == len(aims) else f"macro-model: no equilibrium on the way to row {n + 1} of the sequence"
+        return self.turns_of(motions), self.pushes_of(loads), message
 
     def checked(self, targets: Array) -> Array:
         """Return targets (n, 5) as they are; refuse other shapes, what is not finite, and torsion without elements."""

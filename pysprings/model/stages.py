@@ -62,8 +62,7 @@ def path_stages(
     Those of a path that leaves a plane are of the whole caisson, others of its half.
     """
     if path.in_space:
-        start = _first_strain(scene) * scene.caisson.outer_diameter
-        stages = space_stages(scene, path, extra_load, balanced, start)
+        stages = space_stages(scene, path, extra_load, balanced)
     else:
         stages = _stages(scene, path, extra_load)
         stages += _further(scene, path, stages[-1], balanced)
@@ -247,14 +246,17 @@ def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, flo
     """Return the first and largest step as fractions of a stage that moves on by ``travel``."""
     if travel == 0.0:  # a rest: water moves fast at first, and ever more slowly
         return _FIRST_OF_REST, _LARGEST_OF_REST
-    largest = scene.solver.max_step_fraction or _LARGEST_STEP
+    kind = PATH_KINDS[path.kind]
+    scale = scene.caisson.skirt_length if kind.drives == "rotation" else 1.0
+    return _fractions(scene, 0.0 if kind.force else abs(travel) * scale)
+
+
+def _fractions(scene: Scene, reach: float) -> tuple[float, float]:
+    """Return the first and largest step as fractions of a stage that displaces by ``reach`` (m); 0: not known."""
     first = scene.solver.first_step_fraction
     if first is None:
-        kind = PATH_KINDS[path.kind]
-        scale = scene.caisson.skirt_length if kind.drives == "rotation" else 1.0
-        reach = 0.0 if kind.force else abs(travel) * scale
         first = min(1.0, _first_strain(scene) * scene.caisson.outer_diameter / reach) if reach else 0.01
-    return min(first, 1.0), max(first, largest)
+    return first, max(first, scene.solver.max_step_fraction or _LARGEST_STEP)
 
 
 def _first_strain(scene: Scene) -> float:
@@ -359,11 +361,10 @@ def space_points(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
     return _HELD, np.hstack([np.array(at), np.zeros((len(at), 3))])
 
 
-def space_stages(scene: Scene, path: Path, dead: float, balanced: float, first: float) -> list[Stage]:
+def space_stages(scene: Scene, path: Path, dead: float, balanced: float) -> list[Stage]:
     """Return the stages of a path that starts at w = 0, one after the other.
 
     dead, balanced : vertical load (N) beyond the one that balances the initial contact stresses, and that one.
-    first : size of the first step, m.
     """
     held, points = space_points(path)
     rows = [np.eye(6)[MOTIONS.index(name)] if name else _along_load(scene, path) for name in held]
@@ -385,7 +386,8 @@ def space_stages(scene: Scene, path: Path, dead: float, balanced: float, first: 
         if path.kind == "circle" and number:  # a side
             stage = replace(stage, first_fraction=0.5, max_fraction=1.0, continues=number > 1)
         else:
-            stage = _stepped(scene, stage, float(np.linalg.norm((point - before) * lengths)), first)
+            small, large = _fractions(scene, float(np.linalg.norm((point - before) * lengths)))
+            stage = replace(stage, first_fraction=small, max_fraction=large)
         stages.append(stage)
         before = point
     stops = {abs(value / points[0, 0]) for value in path.report_at} | {1.0}
@@ -412,14 +414,6 @@ def _times(path: Path, parts: int) -> list[float]:
     return [path.duration or 0.0, *(then.time or 0.0 for then in path.then)]
 
 
-def _stepped(scene: Scene, stage: Stage, travel: float, first: float) -> Stage:
-    """Return a stage with its steps, the first one of ``first`` (m)."""
-    start = scene.solver.first_step_fraction or (min(1.0, first / travel) if travel else 0.01)
-    return replace(
-        stage, first_fraction=start, max_fraction=max(start, scene.solver.max_step_fraction or _LARGEST_STEP)
-    )
-
-
 def lengths_of(scene: Scene, control: np.ndarray) -> np.ndarray:
     """Return the lengths (nc,) that turn what rows of a control (nc, nb) impose into displacements of lid, tip or wall.
 
@@ -435,7 +429,6 @@ def space_motion(path: Path, radius: float) -> tuple[float, float]:
     held, points = space_points(path)
     if not held or PATH_KINDS[path.kind].force:
         return 0.0, 0.0
-    by_name = {name: np.abs(points[:, k]) for k, name in enumerate(held)}
-    moved = np.hypot(by_name.get("u_x", np.zeros(1)), by_name.get("u_y", np.zeros(1))).max()
-    turned = np.hypot(by_name.get("rot_x", np.zeros(1)), by_name.get("rot_y", np.zeros(1))).max()
-    return float(max(moved, radius * by_name.get("rot_z", np.zeros(1)).max())), float(turned)
+    sizes = dict.fromkeys(_HELD, np.zeros(1)) | {name: np.abs(points[:, k]) for k, name in enumerate(held)}
+    moved, turned = (np.hypot(sizes[x], sizes[y]).max() for x, y in (("u_x", "u_y"), ("rot_x", "rot_y")))
+    return float(max(moved, radius * sizes["rot_z"].max())), float(turned)
