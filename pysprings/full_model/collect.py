@@ -25,6 +25,7 @@ from fe_engine.balance.water import WaterBalance
 from fe_engine.state import Fields
 from pysprings.core import variables
 from pysprings.full_model.cavitation import Watch
+from pysprings.full_model.record import VOLUMES
 from pysprings.full_model.volume import Volume
 from pysprings.model.build import Built, moments
 from pysprings.model.contact import SURFACE
@@ -213,9 +214,7 @@ class Collector(Watch):
         if self.balance is None:
             return row
         now = self.balance.now(state)
-        volumes = {"expelled": now.expelled, "compressed": now.compressed, "film": now.film, "outflow": now.outflow,
-                   "moved": now.moved, "imbalance": now.imbalance}  # fmt: skip
-        row |= {f"water_{name}": 2.0 * volume for name, volume in volumes.items()}
+        row |= {f"water_{name}": 2.0 * getattr(now, name) for name in VOLUMES}
         return row | self._pressure_range(state) | self.suction(self._wet_pressures(state))
 
     def _pressure_range(self, state: Fields) -> dict[str, float]:

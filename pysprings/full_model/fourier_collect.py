@@ -189,15 +189,14 @@ class SpaceCollector(Watch):
     """Gathers one row per converged step of a path that leaves a plane, as `collect.Collector` does.
 
     Axes are those of the field: x, y to its left seen from above, rotations and moments right-handed with z up; w, V
-    and depth are positive down. The engine has y to the right of x. ``gaps`` returns those of the stations in a state,
-    ``water`` the pressure of the film there (ns,) [Pa], on the whole area. ``sea`` is that of a `Collector`.
+    and depth are positive down. The engine has y to the right of x. ``system`` returns that of the model, which is made
+    where a state is added. ``sea`` is that of a `Collector`.
     """
 
     def __init__(
-        self, built: BuiltFourier, gaps: Callable[[Fields], np.ndarray], water: Callable[[Fields], np.ndarray],
-        fields: bool, sea: tuple[float, float] | None,
-    ) -> None:  # fmt: skip
-        self.gaps, self.water, self.keep_fields = gaps, water, fields
+        self, built: BuiltFourier, system: Callable[[], Any], fields: bool, sea: tuple[float, float] | None
+    ) -> None:
+        self.system, self.keep_fields = system, fields
         self.stations, n, self.wet = built.model.stations, len(built.azimuth), built.model.water is not None
         self.slices = slices_of_elements(built.section.depth)
         field = np.mod(-built.azimuth, 2.0 * np.pi)
@@ -216,19 +215,24 @@ class SpaceCollector(Watch):
     def add(self, state: Fields, time: float, converged: bool = True) -> None:
         """Record a state; ``converged`` marks it."""
         stations = self.stations
-        traction, water = np.einsum("sij,si->sj", stations.frame, state.traction), self.water(state)
+        traction, water = np.einsum("sij,si->sj", stations.frame, state.traction), self._film(state)
         force = -stations.area[:, None] * (traction - stations.frame[:, 0] * water[:, None])
         loads = np.einsum("sij,si->j", stations.body, force)  # R^T f
         row: dict[str, Any] = {"time": time, "converged": np.int8(converged)}
-        row |= dict(zip(MOTIONS, map(float, state.border), strict=True)) | dict(
-            zip(LOADS, map(float, loads), strict=True)
-        )
+        row |= zip((*MOTIONS, *LOADS), map(float, (*state.border, *loads)), strict=True)
         row |= self._by_depth(force)
         if self.sea is not None:
             row |= self.suction((state.pressure @ self._wave.T).ravel())
         if self.keep_fields:
             row |= self._wall_fields(state, traction, water)
         self.rows.append(row)
+
+    def _film(self, state: Fields) -> np.ndarray:
+        """Return the pressure of the film at the stations (ns,) [Pa], on the whole area; 0 without water."""
+        system = self.system()
+        if system.water is None:
+            return np.zeros(len(system.film_area))
+        return system.water.film_pressure(state.pressure) * system.film_area / system.stations.area
 
     def _by_depth(self, force: np.ndarray) -> dict[str, np.ndarray]:
         """Return p along x and y, vertical reaction t and torque by depth and side, per metre."""
@@ -249,7 +253,7 @@ class SpaceCollector(Watch):
             "normal_effective_stress": -state.traction[:, 0],
             "shear_around": np.cos(angle) * traction[:, 1] - np.sin(angle) * traction[:, 0],
             "shear_vertical": -traction[:, 2],
-            "gap": self.gaps(state),
+            "gap": self.system().gaps(state),
         } | ({"pore_pressure": water} if self.wet else {})
         return {
             name: np.stack([means_of_elements(values[ring])[self._order] for ring in self.rings])

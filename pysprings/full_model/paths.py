@@ -32,7 +32,7 @@ from pysprings.core.words import Diagnosis, StopReason
 from pysprings.core.workers import Task, WorkerDied, Workers
 from pysprings.full_model import checkpoint
 from pysprings.full_model.cavitation import warning as cavitation_warning
-from pysprings.full_model.checkpoint import Checkpoints, Gathered, Loaded, Saved, Standing
+from pysprings.full_model.checkpoint import Checkpoints, Cost, Gathered, Loaded, Saved, Standing
 from pysprings.full_model.diagnosis import DisplacementLimit, diagnose, during_dead_load, too_far
 from pysprings.full_model.record import DEAD_LOAD, convergence_dataset, cut_back, energy_summary, summarise
 from pysprings.full_model.run_record import COMPLETE, Ending, LimitLoad, Status
@@ -127,10 +127,8 @@ class PathRun:
         """Apply the dead load, or take up what another path with the same load has left on this model."""
         known, key = self.work.under_dead_load, (self.path.in_space, self.extra)
         if self._position is None and key in known:
-            saved = deepcopy(known[key])
-            gathered = Gathered.of(saved)
-            self.work.add(gathered.cost.of_solver)  # as if this path had run it, in whichever process
-            self._take_up(gathered, Standing.of(saved))
+            cost = self._take_up(deepcopy(known[key]))
+            self.work.add(cost.of_solver)  # as if this path had run it, in whichever process
         self._run_stage(dead_load_stage(self.extra, MOTIONS if self.path.in_space else DOFS))
         if key not in known:
             known[key] = replace(self._standing(), stage=0).saved(self.gathered())
@@ -261,18 +259,18 @@ class PathRun:
 
     def restore(self, saved: Saved) -> None:
         """Take up what a checkpoint holds: a path that has ended, or where one stood; count what it has cost."""
-        gathered = Gathered.of(saved)
-        self.work.add(gathered.cost)
-        self._take_up(gathered, Standing.of(saved))
+        self.work.add(self._take_up(saved))
 
-    def _take_up(self, gathered: Gathered, standing: Standing | None) -> None:
-        driver = self.driver
+    def _take_up(self, saved: Saved) -> Cost:
+        """Go on from what a checkpoint holds; return what that has cost."""
+        driver, gathered, standing = self.driver, Gathered.of(saved), Standing.of(saved)
         self.collector.rows, self.collector.cavitation = gathered.rows, gathered.cavitation
         self.ending, self.limits = gathered.ending, gathered.limits
         driver.record, driver.given_up, driver.n_steps = gathered.record, gathered.given_up, gathered.n_steps
         if standing is not None:
             self._restore(standing)
         self.energy.go_on_from(self.state.committed, *gathered.energy)
+        return gathered.cost
 
     def _restore(self, standing: Standing) -> None:
         for name in FIELDS:

@@ -91,7 +91,7 @@ def _water(path: xr.Dataset) -> dict[str, float] | None:
     """Balance of the water at the end and the range of its pressures; None when drained."""
     if "water_moved" not in path:
         return None
-    volumes = {name: float(path[f"water_{name}"][-1]) for name in _VOLUMES}
+    volumes = {name: float(path[f"water_{name}"][-1]) for name in VOLUMES}
     exchanged = max(volumes["moved"], abs(volumes["expelled"]), volumes["film"])
     worst = float(np.abs(path["water_imbalance"]).max())
     return {
@@ -111,7 +111,7 @@ def energy_summary(energy: Energy, part: float = 0.5) -> dict[str, float]:
     return terms | {"imbalance_over_largest_term": abs(energy.imbalance) / energy.moved if energy.moved else 0.0}
 
 
-_VOLUMES = ("expelled", "compressed", "film", "outflow", "moved", "imbalance")
+VOLUMES = ("expelled", "compressed", "film", "outflow", "moved", "imbalance")
 
 
 def cut_back(stage: str, fraction: float, error: NotConverged) -> CutBack:

@@ -27,7 +27,7 @@ from fe_engine.solve.fourier_stage import FourierStage
 from fe_engine.solve.globalisation import EXACT
 from fe_engine.solve.newton import Newton
 from fe_engine.solve.stage import Balance, FactorStage
-from fe_engine.state import Fields, State
+from fe_engine.state import State
 from pysprings.core import version
 from pysprings.core.errors import ResourceError, RunIncomplete, UserInputError, refused
 from pysprings.core.progress import Progress
@@ -329,22 +329,11 @@ def make_collector(
     wet = partial(scene.ground.holds_water, mode=scene.drainage.mode)
     if isinstance(built, BuiltFourier):
         if built.model.whole:
-            return SpaceCollector(
-                built, lambda state: on.system.gaps(state), partial(_film, on), output.interface_fields, sea
-            )
+            return SpaceCollector(built, lambda: on.system, output.interface_fields, sea)
         assert isinstance(on.system, FourierSystem)
         return FourierCollector(built, on.system, *requested, balance, sea, output.paraview, wet)
     assert isinstance(on.system, System)
     return Collector(built, on.system, *requested, balance, sea, output.paraview, wet)
-
-
-def _film(on: Work | Whole, state: Fields) -> np.ndarray:
-    """Return the pressure of the film at the stations (ns,) [Pa], on the whole area; 0 without water."""
-    system = on.system
-    assert isinstance(system, FourierSystem)
-    if system.water is None:
-        return np.zeros(len(system.film_area))
-    return system.water.film_pressure(state.pressure) * system.film_area / system.stations.area
 
 
 def section_of(built: Built | BuiltFourier) -> xr.Dataset:

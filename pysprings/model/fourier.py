@@ -147,14 +147,10 @@ def make_ring_stations(
     nodes = section.mesh.nodes
     radius, depth = nodes[:, 0], nodes[:, 1]
     parts = []
-    for side, name in SIDES.items():
-        line = section.walls[side]
-        parts.append((line, nodal_lengths(depth[line]) * radius[line], name))
-    parts.append((section.lid, nodal_rings(radius[section.lid]), "lid"))
-    parts.append((section.tip, nodal_rings(radius[section.tip]), "tip"))
-    node = np.concatenate([line for line, _, _ in parts])
-    strip = np.concatenate([area for _, area, _ in parts])
-    surface = np.concatenate([np.full(len(line), SURFACE[name]) for line, _, name in parts])
+    for name, line in section.lines.items():
+        area = nodal_rings(radius[line]) if name in ("lid", "tip") else nodal_lengths(depth[line]) * radius[line]
+        parts.append((line, area, np.full(len(line), SURFACE[name])))
+    node, strip, surface = (np.concatenate(part) for part in zip(*parts, strict=True))
     felt = strip > 0.0  # none on the axis
     node, strip, surface = node[felt], strip[felt], surface[felt]
     angle = np.tile(azimuth, len(node))
