@@ -60,18 +60,28 @@ class Followed:
     V: Array | None = None
 
     @property
+    def imposed(self) -> Array:
+        """What the full model was driven by (n, 2): loads, or motions of which u may be free."""
+        return self.full[1] if self.control == "load" else self.full[0]
+
+    @property
     def work(self) -> tuple[Array, Array]:
         """Work (n,) [J] that both have taken up from the start of the path."""
         return _work(*self.full), _work(*self.macro)
+
+
+def control_of(path: SpringPath) -> Control:
+    """Return what drove the full model along a path: loads, u with the load at its height, or both motions."""
+    kind = PATH_KINDS[path.kind]
+    return "load" if kind.force else "displacement" if kind.free_head else "state"
 
 
 def follow_path(path: SpringPath, model: MacroModel) -> Followed:
     """Drive springs along a path of the full model, as that was driven."""
     motions = np.stack([path.u, path.rotation], axis=1)
     loads = np.stack([path["H"] - path["H"][0], path["M"] - path["M"][0]], axis=1)
-    kind = PATH_KINDS[path.kind]
-    control: Control = "load" if kind.force else "displacement" if kind.free_head else "state"
-    targets = loads if kind.force else motions
+    control = control_of(path)
+    targets = loads if control == "load" else motions
     arm = path.arm if np.isfinite(path.arm) else 0.0
     found, carried, message = model.solve(control, targets, arm, V=path.given_loads)
     n = len(found)
@@ -146,15 +156,13 @@ def turns(one: Followed) -> list[int]:
 
 def _imposed(one: Followed) -> Array:
     """Return what the full model was driven by, (n, 1) or (n, 2), over the largest of each."""
-    plane = one.full[1] if one.control == "load" else one.full[0]
-    scaled: Array = plane / np.maximum(np.abs(plane).max(axis=0), 1e-300)
+    scaled: Array = one.imposed / np.maximum(np.abs(one.imposed).max(axis=0), 1e-300)
     return scaled[:, :1] if one.control == "displacement" else scaled
 
 
 def measured(one: Followed) -> tuple[int, int]:
     """Return the columns of motion and load of the cycles: (u, H), or (rotation, M) where u is held or H constant."""
-    at = turns(one)
-    plane = one.full[1] if one.control == "load" else one.full[0]
+    at, plane = turns(one), one.imposed
     later = plane[at[1] :, 0] if len(at) > 2 else plane[:, 0]
     held = float(np.ptp(later)) <= _HELD * float(np.abs(plane).max(initial=0.0))
     return (1, 1) if held else (0, 0)

@@ -15,9 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pysprings.core.path_kinds import MEMORY, PATH_KINDS, driven, turns_back
-from pysprings.macro.cycles import Followed, cycles, measured
+from pysprings.macro.cycles import Followed, control_of, cycles, measured
 from pysprings.macro.spring_sets import SPRING_SETS
-from pysprings.macro.ways import Control
 from pysprings.results.parts import converged
 from pysprings.results.plots import overview, style
 from pysprings.results.plots.picture import Picture, abscissa, unit_text
@@ -183,8 +182,7 @@ def _measures(panels: np.ndarray, path: SpringPath, name: str, answer: xr.Datase
     motions, loads = (
         np.stack([answer[a].values, answer[b].values], axis=1) for a, b in (("u", "rotation"), ("H", "M"))
     )
-    control: Control = "load" if path.rules.force else "displacement" if path.rules.free_head else "state"
-    one = Followed(path, name, control, full, (motions, loads), "", V=path.given_loads[:n])
+    one = Followed(path, name, control_of(path), full, (motions, loads), "", V=path.given_loads[:n])
     table, (by_rotation, _) = cycles(one), measured(one)
     ends = np.concatenate([-table["x_end_full"][:1], table["x_end_full"]])  # the first branch is half of one
     amplitude = 0.5 * np.abs(np.diff(ends)) * style.MM

@@ -52,6 +52,15 @@ def test_a_loop_of_the_rotation_has_its_motion_and_moment_in_words_and_units() -
     np.testing.assert_allclose(damping.get_lines()[0].get_ydata(), own[1].get_ydata(), rtol=1e-9)
 
 
+def test_loops_of_loads_given_in_pairs_turn_where_the_load_does() -> None:
+    shown = view("turning_0")
+    turn, u = int(np.argmax(shown.path["H"].values)), shown.path["u"].values.copy()
+    u[turn + 1] = 1.01 * u[turn]  # it creeps on
+    path = shown.path.assign(u=("step", u)).assign_attrs(kind="load", then_pairs=1)
+    *_, stiffness, _ = LOOPS.draw(replace(shown, path=path)).axes
+    np.testing.assert_allclose(np.asarray(stiffness.get_lines()[0].get_xdata())[0], 1e3 * u[turn])
+
+
 def test_a_path_without_a_closed_cycle_has_no_damping() -> None:
     """There and back once: the work of both has stored energy in it."""
     shown = view("turning_0")
