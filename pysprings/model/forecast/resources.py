@@ -100,8 +100,9 @@ def size_of(scene: Scene, whole: bool = False) -> Size:
         steel_nodes, steel_unknowns = _steel(counts, whole)
         nodes, unknowns = nodes + steel_nodes, unknowns + steel_unknowns
     volume = 4 * (4 * nodes + 7 * elements) if scene.output.paraview else 0
-    step = _step_bytes(scene, counts, plane) + volume
-    return Size(nodes, elements, unknowns + pores + film, step, pores, film)
+    depths, patches = counts.skirt + 1, n**2 // 8 + (n + 1) * (counts.plug + counts.tip + 1)
+    step = _step_bytes(scene, depths, patches, n + 1, plane * (depths + counts.below))
+    return Size(nodes, elements, unknowns + pores + film, step + volume, pores, film)
 
 
 def _series_size(scene: Scene) -> Size:
@@ -113,25 +114,21 @@ def _series_size(scene: Scene) -> Size:
     except MeshError as error:
         raise refused("mesh", str(error)) from error
     mesh, steel_corners, steel_elements = section.mesh, 0, 0
-    fixed, by_depth = fixed_directions(scene, mesh), 12
+    fixed = fixed_directions(scene, mesh)
     if scene.caisson.behaviour == "elastic":
         steel = make_steel_rings(section, scene.caisson.lid_thickness)
-        (mesh, fixed), by_depth = with_rings(mesh, fixed, steel), 14
+        mesh, fixed = with_rings(mesh, fixed, steel)
         steel_corners, steel_elements = len(np.unique(steel.quads[:, :4])), steel.n_elements
     held = held_coefficients(mesh, fixed, counts.harmonics)
     corners = mesh.corners
-    values = 60 + by_depth * counts.skirt + 2 * waves * (len(section.lid) + len(section.tip) - 2)
-    if scene.output.interface_fields:
-        values += 5 * 2 * (2 * waves + 1) * counts.skirt
-    if scene.output.section:
-        plane = 2 * len(corners) - int(mesh.on_axis[corners].sum())
-        values += (2 if scene.drainage.mode == "drained" else 3) * plane
+    patches, plane = waves * (len(section.lid) + len(section.tip) - 2), 2 * len(corners)
+    step = _step_bytes(scene, counts.skirt, patches, 2 * waves + 1, plane - int(mesh.on_axis[corners].sum()))
     m = counts.harmonics + 3
     cells = 4 * (len(corners) + steel_corners) * (m + 1) + 7 * (mesh.n_elements + steel_elements) * m
     volume = 4 * cells if scene.output.paraview else 0
     pores, film = (0, 0) if scene.drainage.mode == "drained" else _series_pressures(scene, section, counts.harmonics)
     unknowns = int(np.count_nonzero(~held)) + 3 + pores + film
-    return Size(mesh.n_nodes, mesh.n_elements, unknowns, 8 * values + volume, pores, film)
+    return Size(mesh.n_nodes, mesh.n_elements, unknowns, step + volume, pores, film)
 
 
 def _series_pressures(scene: Scene, section: CaissonSection, harmonics: int) -> tuple[int, int]:
@@ -190,15 +187,16 @@ def _steel(counts: Counts, whole: bool) -> tuple[int, int]:
     return nodes, 3 * nodes - plane - 2 * (3 * held - on_plane)
 
 
-def _step_bytes(scene: Scene, counts: Counts, plane: int) -> int:
-    """Return the bytes of what a path keeps of one step: scalars, reactions by depth, lid and tip, fields, section."""
-    n, depths = counts.azimuth + 1, counts.skirt + 1
-    by_depth = 14 if scene.caisson.behaviour == "elastic" else 12
-    values = 60 + by_depth * depths + 2 * (counts.azimuth**2 // 8 + n * (counts.plug + counts.tip + 1))
+def _step_bytes(scene: Scene, depths: int, patches: int, around: int, plane: int) -> int:
+    """Return the bytes of what a path keeps of one step: scalars, reactions by depth, lid and tip, fields, section.
+
+    patches : points under lid and tip; around : azimuths of fields; plane : nodes of the section.
+    """
+    values = 60 + (14 if scene.caisson.behaviour == "elastic" else 12) * depths + 2 * patches
     if scene.output.interface_fields:
-        values += 5 * 2 * n * depths
+        values += 5 * 2 * around * depths
     if scene.output.section:
-        values += (2 if scene.drainage.mode == "drained" else 3) * plane * (depths + counts.below)
+        values += (2 if scene.drainage.mode == "drained" else 3) * plane
     return 8 * values
 
 
