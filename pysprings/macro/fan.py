@@ -24,12 +24,11 @@ from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.core.errors import refused
 from pysprings.macro.solver import fan_places, fan_rows
 from pysprings.springs.path import STRAIGHT, SpringPath
-from pysprings.springs.springs import Springs
+from pysprings.springs.springs import FEWEST_RAYS, Springs
 from pysprings.springs.sums import action, secant_slopes
 
 # Between rays farther apart than this an answer is marked off_path [rad].
 WIDEST = np.radians(60.0)
-FEWEST = 2
 LAST = 0.02  # share of the range of a ray
 
 _ENDS = ("H_tip", "M_tip", "H_lid", "M_lid")
@@ -134,17 +133,12 @@ class FanTable:
         return self.polar(states)[0] / reach, np.where(on_ray, 0.0, sector), nearest
 
 
-def has_fan(springs: Springs) -> bool:
-    """Return whether a set of springs has the rays that a fan needs."""
-    return len(springs.rays) >= FEWEST
-
-
 def build_fan(springs: Springs) -> FanTable:
     """Return the fan of all calibration paths of a spring set that are rays; refuse fewer than two."""
     angle = np.array(list(springs.rays.values()))
-    if angle.size < FEWEST:
+    if not springs.has_fan:
         message = (
-            f"a fan needs at least {FEWEST} calibration paths of different, constant ratios rotation to lateral "
+            f"a fan needs at least {FEWEST_RAYS} calibration paths of different, constant ratios rotation to lateral "
             f"displacement (kinds translation and rotation); there are {angle.size}"
         )
         raise refused("springs", message)

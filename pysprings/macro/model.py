@@ -15,7 +15,7 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import close_loads, same_load
 from pysprings.core.text import number
 from pysprings.macro.curve_table import FAMILIES, CurveSprings, SpringTable
-from pysprings.macro.fan import FanTable, has_fan
+from pysprings.macro.fan import FanTable
 from pysprings.macro.response import Response, RowSprings
 from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
 from pysprings.macro.vertical import VerticalTable, build_vertical
@@ -280,7 +280,7 @@ def choose_set(springs: Typed, name: str | None, path: str | None) -> SpringSet:
     if name is None:
         if len(lost) == len(FAMILIES):
             return SPRING_SETS["py"]
-        rays = not isinstance(springs, CurveSprings) and has_fan(springs)
+        rays = not isinstance(springs, CurveSprings) and springs.has_fan
         name = "fan" if path is None and not lost and rays else "full"
     chosen = SPRING_SETS.find(name, "springs_kind")
     if chosen.companions and lost:

@@ -132,7 +132,7 @@ FAN = SpringSet(
     label="fan of all calibration paths",
     description="all reactions, between calibration paths of several directions",
     build=_build_fan,
-    ready=lambda springs: len(springs.rays) > 1,
+    ready=lambda springs: springs.has_fan,
     reproduces=lambda springs, path: path.name in springs.rays,
     several="a fan comes from all calibration paths",
 )

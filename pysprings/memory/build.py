@@ -15,7 +15,7 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import MEMORY
 from pysprings.core.progress import Progress
-from pysprings.macro.fan import build_fan, has_fan
+from pysprings.macro.fan import build_fan
 from pysprings.macro.vertical import build_vertical
 from pysprings.memory.calibration import ElementSet, SpaceElements, calibrate
 from pysprings.memory.elements import YIELDED
@@ -48,7 +48,7 @@ _HEAD = ("rows", "odd", "rest", "loads", "elastic", "even")
 
 def has_memory(springs: Springs) -> bool:
     """Return whether springs have a fan, and rays that turn back at its rate, at some vertical load."""
-    return has_fan(springs) and bool(_at_loads(springs))
+    return springs.has_fan and bool(_at_loads(springs))
 
 
 def build_memory(springs: Springs) -> MemorySprings:
@@ -185,7 +185,7 @@ def _at_other_rates(springs: Springs) -> list[Springs]:
     if whole is None or not own.water.any():
         return []
     found = [whole.at(rate=one.rate, V=own.load) for one in whole.rate_sets if own.name not in one.paths]
-    return [at for at in found if has_fan(at) and at.remembering and same_load(at.remembering[0].load, own.load)]
+    return [at for at in found if at.has_fan and at.remembering and same_load(at.remembering[0].load, own.load)]
 
 
 def with_memory(tree: xr.DataTree, progress: Progress | None = None) -> xr.DataTree:
@@ -205,7 +205,7 @@ def with_memory(tree: xr.DataTree, progress: Progress | None = None) -> xr.DataT
     for number, ((load, V), (pace, rate)) in enumerate(sets):
         at = springs.at(rate=rate, V=V)
         stored = {each.attrs["paths_sha256"] for each in found.values()}
-        if has_fan(at) and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
+        if at.has_fan and _turns(at) and digest(at) not in stored:  # a lone path at a load has springs of others
             name = f"/{MEMORY}" + (f"_load_{load}" if load else "") + (f"_rate_{pace}" if pace else "")
             known = _stored(at)
             if known is None:

@@ -318,7 +318,7 @@ class SpacePath(RecordedPath):
 
     def reactions(self) -> Array:
         """Return p of both sides in the planes of x and y, (2, depth, n) [N/m], from rest."""
-        p = np.stack([self.dataset[f"p_{axis}"].sum("side").transpose("depth", "step").values for axis in "xy"])
+        p = np.stack([self.by_depth(f"p_{axis}") for axis in "xy"])
         return p - p[:, :, :1]
 
     def _from_rest(self, names: Sequence[str]) -> Array:

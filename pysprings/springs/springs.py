@@ -52,6 +52,7 @@ def check_spread(data: xr.Dataset) -> xr.Dataset:
     return data
 
 
+FEWEST_RAYS = 2  # of a fan
 KEPT = 64  # derived springs at the most: every vertical load of a table of loads has its own
 
 
@@ -287,6 +288,11 @@ class Springs:
     def rays(self) -> Mapping[str, float]:
         """Rays among the main paths by increasing angle [rad]; close ones count once."""
         return rays_of(self.paths[name] for name in self.main_paths)
+
+    @property
+    def has_fan(self) -> bool:
+        """True where the springs have the rays that a fan needs."""
+        return len(self.rays) >= FEWEST_RAYS
 
     @cached_property
     def pure_paths(self) -> tuple[str, str] | None:

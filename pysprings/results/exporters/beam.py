@@ -29,7 +29,6 @@ from pysprings.core.storage import replacing
 from pysprings.core.text import commented
 from pysprings.core.units import QuantityError, read
 from pysprings.macro.curve_table import Row, stack
-from pysprings.macro.fan import has_fan
 from pysprings.macro.model import MacroModel
 from pysprings.results.exporters.base import Exported, Options, Source, Target, read_options, write_text_file
 from pysprings.results.exporters.csv import csv_text
@@ -221,7 +220,7 @@ def beam_tables(source: Source, options: Options) -> tuple[list[str], pd.DataFra
         *errors_by_role(springs, with_tables(made, tables), f"all curves of this table beside {beside}"),
     ]
     lines = [line for line in errors if HELD_BACK in line] or errors
-    head = [*lines, *[LONGER] * has_fan(springs), *corrected, BETWEEN, *_header(source, springs)]
+    head = [*lines, *[LONGER] * springs.has_fan, *corrected, BETWEEN, *_header(source, springs)]
     points = [(each.spring.name, each.spring.depth, *each.within()) for each in tables]
     points += [(row.name, row.depth, row.q[[0, -1]], row.r[[0, -1]]) for row in found if not row.r.any()]
     return head, _frame(points, bounds)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from pysprings.core.errors import refused
 from pysprings.core.variables import known_torsion
-from pysprings.macro.fan import has_fan
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.space import SpaceAnswers
 from pysprings.macro.spring_sets import MEMORY
@@ -32,7 +31,7 @@ _CYCLES = "elements that remember reversals, for tens of cycles"
 def _nonlinear(source: Source, target: Target, options: Options) -> tuple[list[Path], list[str]]:
     """Write the spring file and the SoilDyn input for the library; return them, and what is lost."""
     at, load = springs_at(source, options)
-    if not has_fan(at):
+    if not at.has_fan:
         return [], [_NO_FAN]
     kind = str(options["springs"])
     model = MacroModel.from_springs(at.whole or at, kind, V=load)

@@ -19,7 +19,6 @@ import numpy as np
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
-from pysprings.macro.fan import has_fan
 from pysprings.macro.solver import row_values
 from pysprings.results.exporters.base import VIRTUAL, ZONE, Exported, Options, Source, Target
 from pysprings.results.exporters.header import header, springs_at
@@ -305,7 +304,7 @@ def write(source: Source, target: Target, options: Options) -> Exported:
         room = f"from 0 to {HIGHEST:g} m above mudline, from where depths count down in six columns"
         raise refused("--option head", f"{head:g} m is not {room}")
     springs, load = springs_at(source, options)
-    kind = str(options["springs"] or (VIRTUAL if has_fan(springs) else "full"))
+    kind = str(options["springs"] or (VIRTUAL if springs.has_fan else "full"))
     made, strata, length, about = _made(springs, kind, load)
     axial, words = _axial_cards(springs, made, options, length)
     lateral, errors = _lateral_cards(springs, made, options, strata, length)

@@ -23,7 +23,7 @@ from pysprings.core.variables import known_torsion
 from pysprings.macro import measures
 from pysprings.macro.comparison import along_path
 from pysprings.macro.curve_table import Row, SpringTable, leading, stack
-from pysprings.macro.fan import FanTable, has_fan
+from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import row_values
 from pysprings.macro.vertical import Branch
@@ -155,7 +155,7 @@ def uniaxial(
 
     Raises UserInputError: the springs do not give the set, or there are none of a full model.
     """
-    chosen = kind or (VIRTUAL if has_fan(springs) else "full")
+    chosen = kind or (VIRTUAL if springs.has_fan else "full")
     planes = planes or (PLANES if chosen == VIRTUAL else 2)
     if planes < 2 or planes % 2:
         raise refused("--option planes", f"{planes} is not an even number of planes")

@@ -20,7 +20,7 @@ from xlsxwriter.utility import xl_range_abs
 from pysprings.core.arrays import Array
 from pysprings.core.storage import replacing
 from pysprings.core.variables import known_torsion
-from pysprings.macro.fan import build_fan, has_fan
+from pysprings.macro.fan import build_fan
 from pysprings.macro.model import MacroModel, spring_sets
 from pysprings.macro.spring_sets import SPRING_SETS
 from pysprings.macro.stiffness import AT_REST, NO_TORSION, stiffness_six
@@ -153,7 +153,7 @@ _OUT_OF_PLANE = (
 
 def _fan(springs: Springs) -> Iterator[str]:
     """Yield a sentence on the range of the fan, and on its use beyond a spreadsheet; nothing without a fan."""
-    if not has_fan(springs):
+    if not springs.has_fan:
         return
     table = build_fan(springs)
     rays = zip(table.path, np.degrees(table.angle), 1e3 * table.range, strict=True)

@@ -12,7 +12,7 @@ from pysprings.core.errors import BeyondSprings, UserInputError
 from pysprings.macro.answer import trace
 from pysprings.macro.comparison import compare
 from pysprings.macro.comparison_text import to_text
-from pysprings.macro.fan import build_fan, has_fan, last_slopes
+from pysprings.macro.fan import build_fan, last_slopes
 from pysprings.macro.model import spring_sets
 from pysprings.macro.predict import MacroModel, MacroWarning, curve, predict, way_to_load
 from pysprings.springs.path import paths_of
@@ -208,7 +208,7 @@ def test_default_is_the_fan_where_there_is_one():
     assert "ray_1 (20.0 deg)" in answer.attrs["rays"]
     assert list(variables.problems(answer, "prediction")) == []
     alone = make_springs()
-    assert not has_fan(Springs.of(alone))
+    assert not Springs.of(alone).has_fan
     assert spring_sets(alone) == ["py", "full"]
     assert MacroModel.from_springs(alone).spring_set == "full"
 
