@@ -24,7 +24,6 @@ from pysprings.macro.curve_table import CurveSprings
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import Asking, impose, model_of, parts_of, predict
 
-DOFS = MOTIONS
 NO_TORSION = "torsion (rot_z) is not known, as no full model has computed it: its row and column are 0"
 AT_REST = "torsion (rot_z) is that of the full model at rest: less where torsion or lateral loads mobilise friction"
 # data/evidence/stiffness-w.csv: by full models at equal H and M
@@ -317,6 +316,6 @@ def _six(plane: Array, across: Array, torsion: float | None, named: tuple[str, F
         "comment": "mixed units: N m-1; N radian-1 between u_x and rot_y, u_y and rot_x; N m radian-1 for rotations",
         "torsion": NO_TORSION if torsion is None else AT_REST,
     }
-    coords = {"dof": list(DOFS), "dof_conjugate": list(DOFS)}
+    coords = {"dof": list(MOTIONS), "dof_conjugate": list(MOTIONS)}
     matrix = axisymmetric(plane, across, torsion or 0.0)
     return xr.DataArray(matrix, coords, ("dof", "dof_conjugate"), "stiffness_6x6", attrs)
