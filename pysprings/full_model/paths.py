@@ -396,12 +396,6 @@ def _work_of(_sha256: str, scene: Scene) -> Work:
 # --- what a path adds to the result ---
 
 
-def _parts(path: Path) -> dict[str, int]:
-    """Return attributes on the parts of a path after its first one; none where there are none."""
-    pairs = {PAIRS: 1} if any(then.second is not None for then in path.then) else {}
-    return {PARTS: len(path.then)} | pairs if path.then else {}
-
-
 def largest_motion(path: xr.Dataset, radius: float) -> tuple[float, float]:
     """Return the largest displacement (m), that of the wall by a twist (radius, m) included, and rotation (rad)."""
     w = float(np.abs(path["w"].values).max())
@@ -439,7 +433,8 @@ def _keep(work: Work, path: Path, run: Gathered) -> None:
         optional = {
             "direction_rad": path.direction, "rate_m_per_s": path.rate, "arm_from_m": path.arm_from,
             "viscous_displacement_m": viscous_displacement(work.scene, path) if run.given_up else None,
-            **_parts(path), "load_angle_rad": path.load_angle, "torsion_angle_rad": path.torsion_angle,
+            PARTS: len(path.then) or None, PAIRS: 1 if any(then.second is not None for then in path.then) else None,
+            "load_angle_rad": path.load_angle, "torsion_angle_rad": path.torsion_angle,
         }  # fmt: skip
         dataset.attrs |= {key: value for key, value in optional.items() if value is not None}
         work.paths[group] = dataset
