@@ -15,7 +15,7 @@ from pysprings.core.errors import BeyondSprings, Problem, RunIncomplete, refused
 from pysprings.core.loads import NO_LOAD, same_loads
 from pysprings.macro.capacity import past_ends
 from pysprings.macro.model import MacroModel
-from pysprings.macro.response import Between, Support
+from pysprings.macro.response import Between, Level, Support
 from pysprings.macro.vertical_answer import Down, vertical_answer
 from pysprings.macro.ways import RANGE_SLACK, Along, Control, Limit, Turns
 from pysprings.springs.path import off_rate
@@ -44,7 +44,7 @@ class Way:
     states: Array
     loads: Array
     control: Control
-    V: float | Array | None = None
+    V: Level = None
     arm: float | None = None
     message: str = ""
     along: Along = field(default_factory=Along)
@@ -53,12 +53,7 @@ class Way:
 
 
 def trace(
-    model: MacroModel,
-    control: Control,
-    targets: Array,
-    arm: float = 0.0,
-    V: float | Array | None = None,
-    time: Array | None = None,
+    model: MacroModel, control: Control, targets: Array, arm: float = 0.0, V: Level = None, time: Array | None = None
 ) -> xr.Dataset:
     """Return the answer of `MacroModel.solve` as a dataset by step, marked, warned of or refused where springs lack.
 

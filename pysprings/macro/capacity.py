@@ -31,6 +31,7 @@ from pysprings.core.text import with_prefix
 from pysprings.core.units import MOST_MOVED, MOST_TURNED
 from pysprings.core.words import NOT_KNOWN, RANGE_END, SOLVED
 from pysprings.macro.model import MacroModel
+from pysprings.macro.response import Level
 from pysprings.macro.solver import follow_ways
 from pysprings.macro.vertical import covered, share_left
 from pysprings.macro.vertical_answer import SLACK, Carrier, vertical_use
@@ -73,7 +74,7 @@ class Capacities:
         }  # fmt: skip
 
 
-def capacities(model: MacroModel, loads: Array, V: Array | float | None = None) -> Capacities:
+def capacities(model: MacroModel, loads: Array, V: Level = None) -> Capacities:
     """Return the largest known loads along loads (n, 2) = (H [N], M [N m]), at vertical loads V, one or (n,) [N].
 
     Where springs follow a V that changes they are those of the springs at each V, or within 10 % of it.
@@ -93,7 +94,7 @@ def capacities(model: MacroModel, loads: Array, V: Array | float | None = None) 
     )
 
 
-def _at_one_load(model: MacroModel, loads: Array, V: Array | float | None) -> Capacities:
+def _at_one_load(model: MacroModel, loads: Array, V: Level) -> Capacities:
     """Return the largest known loads of springs at one vertical load: see `capacities`."""
     plane = loads / [1.0, model.length]
     size = np.hypot(*plane.T)

@@ -16,7 +16,7 @@ from pysprings.core.loads import close_loads, same_load
 from pysprings.core.text import number
 from pysprings.macro.curve_table import FAMILIES, CurveSprings, SpringTable
 from pysprings.macro.fan import FanTable
-from pysprings.macro.response import Response, RowSprings
+from pysprings.macro.response import Level, Response, RowSprings
 from pysprings.macro.spring_sets import SPRING_SETS, SpringSet
 from pysprings.macro.vertical import VerticalTable, build_vertical
 from pysprings.macro.ways import Control
@@ -154,7 +154,7 @@ class MacroModel:
         """Return the loads (H [N], M [N m]) that hold a state, and their tangent (2, 2) to (u, rotation)."""
         return self.response.loads_at(u, rotation)
 
-    def tangents(self, states: Array, down: Array | None = None, V: float | Array | None = None) -> xr.DataArray:
+    def tangents(self, states: Array, down: Array | None = None, V: Level = None) -> xr.DataArray:
         """Return the tangent stiffness at mudline at states (n, 2) = (u, rotation), with dimension step.
 
         Springs with memory go through the states one after the other, from rest, under V [N], one number or one each.
@@ -177,14 +177,7 @@ class MacroModel:
         """Return the tangent stiffness (3, 3) at mudline for (u, w, rotation) at a state: see `tangents`."""
         return self.tangents(np.array([[u, rotation]])).isel(step=0, drop=True)
 
-    def solve(
-        self,
-        control: Control,
-        targets: Array,
-        arm: float = 0.0,
-        start: tuple[Array, Array] | None = None,
-        V: float | Array | None = None,
-    ) -> tuple[Array, Array, str]:
+    def solve(self, control: Control, targets: Array, arm: float = 0.0, V: Level = None) -> tuple[Array, Array, str]:
         """Follow the equilibrium from the origin through targets.
 
         Returns states (k, 2) = (u, rotation), loads (k, 2) = (H, M), and a message on where it ended when k < n.
@@ -193,11 +186,9 @@ class MacroModel:
             "load" (H, M) or "state" (u and rotation imposed).
         targets : (n, 2): (u, -), (rotation, -), (H, M) or (u, rotation); the - columns are not read.
         arm : Height of the load above mudline [m].
-        start : State (u, rotation) to start from instead of the origin, and its target (springs with memory: on the
-            fan).
         V : Vertical load [N], one a target: springs with memory follow it, where they have rays on which it changes.
         """
-        return self.response.solve(control, targets, arm, start, V)
+        return self.response.solve(control, targets, arm, V)
 
 
 def _remarks(

@@ -151,16 +151,15 @@ class Response(Protocol):
         """Return sentences on motions out of one plane, for programs that step in time."""
         return ["out of one plane of motion: the secant stiffness at the size of the whole motion, an assumption"]
 
-    def solve(
-        self,
-        control: Control,
-        targets: Array,
-        arm: float = 0.0,
-        start: tuple[Array, Array] | None = None,
-        V: float | Array | None = None,
-    ) -> tuple[Array, Array, str]:
+    def solve(self, control: Control, targets: Array, arm: float = 0.0, V: Level = None) -> tuple[Array, Array, str]:
         """Follow the equilibrium through targets: see `pysprings.macro.model.MacroModel.solve`."""
-        state, first = start or (np.zeros(2), np.zeros(2))
+        return self.go_on(control, targets, arm, (np.zeros(2), np.zeros(2)))
+
+    def go_on(
+        self, control: Control, targets: Array, arm: float, start: tuple[Array, Array]
+    ) -> tuple[Array, Array, str]:
+        """Follow the equilibrium of the backbone as `solve`, from a state (u, rotation) and its target."""
+        state, first = start
         way = np.concatenate([[first], np.asarray(targets, dtype=float)])
         drive, aims = equations(control, way, arm, self.table.load_scale)
         out = np.zeros((2, *aims.shape))
@@ -186,7 +185,7 @@ class Response(Protocol):
         reactions(self.arrays, float(u), float(rotation), force, tangent)
         return force, tangent
 
-    def tangents(self, states: Array, V: float | Array | None = None) -> Array:
+    def tangents(self, states: Array, V: Level = None) -> Array:
         """Return the tangents (n, 2, 2) to (u, rotation) at states (n, 2), or along them from rest under V [N]."""
         out = np.zeros((len(states), 2, 2))
         tangents(self.arrays, np.ascontiguousarray(states, dtype=float), out)
@@ -200,9 +199,7 @@ class Response(Protocol):
         """Return what deviations of motions are multiplied with near the largest load; None but of an atlas."""
         return None
 
-    def along(
-        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float
-    ) -> Along:
+    def along(self, control: Control, targets: Array, arm: float, states: Array, V: Level, rest: float) -> Along:
         """Return what is to be marked along a way to targets (n, 2) that came to states (k, 2), from V at rest [N]."""
 
         def limit(first: int) -> Limit:
@@ -211,7 +208,7 @@ class Response(Protocol):
         aim = targets[len(states)] if control == "load" and len(states) < len(targets) else None
         return Along(aim, turns(control, targets[: len(states)], self.origin.length, V, rest), limit)
 
-    def between(self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None) -> Between:
+    def between(self, control: Control, targets: Array, arm: float, states: Array, V: Level) -> Between:
         """Return states on the way to states (n, 2), which of them are those; None: straight, or of no consequence."""
         return None
 
@@ -221,7 +218,7 @@ class Response(Protocol):
 
     # --- a backbone under a vertical load ---
 
-    def follows(self, V: float | Array | None) -> bool:
+    def follows(self, V: Level) -> bool:
         """Return whether the springs follow vertical loads (n,) [N] that are not their own."""
         return False
 
@@ -237,7 +234,7 @@ class Response(Protocol):
         """Return w [m], tangent, range used, the last one of V alone, (3 or 4, n), of vertical springs under V [N]."""
         return vertical.displacements(V)
 
-    def settled(self, vertical: VerticalTable | None, V: float | Array | None, between: float) -> float:
+    def settled(self, vertical: VerticalTable | None, V: Level, between: float) -> float:
         """Return what w [m] of the lateral springs at rest lacks to that of the vertical ones, at the V of their start.
 
         between: that of springs between two vertical loads.

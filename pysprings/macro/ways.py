@@ -22,7 +22,7 @@ from pysprings.macro.solver import Drive
 from pysprings.springs.path import SAME_DIRECTION
 
 if TYPE_CHECKING:
-    from pysprings.macro.response import Response
+    from pysprings.macro.response import Level, Response
 
 Control = Literal["displacement", "rotation", "load", "state"]
 
@@ -100,7 +100,7 @@ class Turns:
         ]
 
 
-def turns(control: Control, targets: Array, length: float, V: float | Array | None, rest: float) -> Turns:
+def turns(control: Control, targets: Array, length: float, V: Level, rest: float) -> Turns:
     """Return where targets (n, 2) of a control turn aside or back, on their way from the origin.
 
     The direction is that of (H, M/length) or (u, rotation*length); of one motion its sign. A vertical load by row,
@@ -178,7 +178,7 @@ def range_limit(response: Response, control: Control, targets: Array, arm: float
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         aim = before + middle * (targets[-1] - before)
-        reached, loads, message = response.solve(control, aim[None], arm, (state, before))
+        reached, loads, message = response.go_on(control, aim[None], arm, (state, before))
         if not message and response.range_used(reached)[0] <= 1.0 + RANGE_SLACK:
             low, last, load = middle, reached[0], loads[0]
         else:

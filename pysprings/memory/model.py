@@ -120,13 +120,13 @@ class MemorySprings(FanSprings):
         """Raise UserInputError: a state alone has no answer, it depends on the way to it."""
         raise refused("springs_kind", _NOT_ASKED[asked])
 
-    def under(self, V: float | Array | None) -> ChangingLoad | None:
+    def under(self, V: Level) -> ChangingLoad | None:
         """Return the elements that follow vertical loads (n,) [N]; None where all are that of the elements, or none."""
         if self.changing is None or V is None:
             return None
         return None if all(same_load(self.V, each) for each in np.unique(V)) else self.changing
 
-    def follows(self, V: float | Array | None) -> bool:
+    def follows(self, V: Level) -> bool:
         """Return whether the elements follow vertical loads (n,) [N] that are not their own."""
         return self.under(V) is not None
 
@@ -139,7 +139,7 @@ class MemorySprings(FanSprings):
         beyond = other if changing is None else other & ~changing.covers(V)
         return np.logical_or.accumulate(beyond)
 
-    def rest_under(self, V: float | Array | None) -> tuple[float, float]:
+    def rest_under(self, V: Level) -> tuple[float, float]:
         """Return w [m] and V [N] of the elements at rest, at the first of vertical loads (n,) [N] that they follow."""
         changing = self.under(V)
         if changing is None or V is None:
@@ -164,32 +164,21 @@ class MemorySprings(FanSprings):
         """Return w [m], tangent, range used and that of V alone, (4, n), of vertical springs after all V (n,) [N]."""
         return vertical.history(V)
 
-    def settled(self, vertical: VerticalTable | None, V: float | Array | None, between: float) -> float:
+    def settled(self, vertical: VerticalTable | None, V: Level, between: float) -> float:
         """Return what w [m] at rest lacks to that of the vertical springs, at the first of V [N]: see `Response`."""
         if vertical is None or self.under(V) is None:
             return between
         return vertical.lacking(*self.rest_under(V))
 
-    def along(
-        self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None, rest: float
-    ) -> Along:
+    def along(self, control: Control, targets: Array, arm: float, states: Array, V: Level, rest: float) -> Along:
         """Return a sentence where states (k, 2) come farther than the calibration; turns are no mark."""
         return Along(notes=beyond_way(states * self.to_motion, self.elements.way))
 
-    def solve(
-        self,
-        control: Control,
-        targets: Array,
-        arm: float = 0.0,
-        start: tuple[Array, Array] | None = None,
-        V: float | Array | None = None,
-    ) -> tuple[Array, Array, str]:
-        """Follow targets (n, 2) from rest: see `pysprings.macro.model.MacroModel.solve`. From a start: on the fan.
+    def solve(self, control: Control, targets: Array, arm: float = 0.0, V: Level = None) -> tuple[Array, Array, str]:
+        """Follow targets (n, 2) from rest: see `pysprings.macro.model.MacroModel.solve`.
 
         V (n,) [N]: vertical load of each target; one number, or None, is that of the elements.
         """
-        if start is not None:
-            return super().solve(control, targets, arm, start, V)
         targets = np.asarray(targets, dtype=float)
         drive, aims = self.equations(control, targets, arm)
         changing, elements = self.under(V), self.elements
@@ -202,7 +191,7 @@ class MemorySprings(FanSprings):
         end = self._target(control, np.array(at))
         return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
 
-    def between(self, control: Control, targets: Array, arm: float, states: Array, V: float | Array | None) -> Between:
+    def between(self, control: Control, targets: Array, arm: float, states: Array, V: Level) -> Between:
         """Return states on the way to states (n, 2) that targets (n, 2) lead to: see `Response`.
 
         None where motions are imposed, which go straight, where steps are short, or where the springs follow V.
@@ -228,7 +217,7 @@ class MemorySprings(FanSprings):
         factor = {"load": self.to_motion, "state": 1.0 / self.to_motion}.get(control, np.ones(2))
         return float(c[0] * factor[0]), float(c[1] * factor[1])
 
-    def tangents(self, states: Array, V: float | Array | None = None) -> Array:
+    def tangents(self, states: Array, V: Level = None) -> Array:
         """Return the tangents (n, 2, 2) to (u, rotation) along states (n, 2) = (u, rotation), from rest on.
 
         V (n,) [N]: as in `solve`.
@@ -319,7 +308,7 @@ def joined(way: Array, states: Array, ends: Integers) -> Between:
     return way, ends
 
 
-def _each(V: float | Array | None, states: Array) -> Array:
+def _each(V: Level, states: Array) -> Array:
     """Return the vertical load (n,) [N] of each state."""
     return np.broadcast_to(np.asarray(V, dtype=float), len(states)).copy()
 
