@@ -76,11 +76,11 @@ def curves_drawing(curves: Sequence[Sequence[Point]], x: str, y: str) -> str:
     return _svg(f"{y} over {x}", [*axes, *lines, *words])
 
 
-def thinned(curve: Sequence[Point], most: int = MOST_POINTS) -> list[Point]:
-    """Return at most `most` points of a curve, the first and the last among them."""
-    if len(curve) <= most:
+def thinned(curve: Sequence[Point]) -> list[Point]:
+    """Return at most `MOST_POINTS` points of a curve, the first and the last among them."""
+    if len(curve) <= MOST_POINTS:
         return list(curve)
-    return [curve[round(k * (len(curve) - 1) / (most - 1))] for k in range(most)]
+    return [curve[round(k * (len(curve) - 1) / (MOST_POINTS - 1))] for k in range(MOST_POINTS)]
 
 
 def _svg(label: str, parts: Iterable[str]) -> str:

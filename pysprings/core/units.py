@@ -23,6 +23,7 @@ from typing import Any
 from pysprings.core.errors import printable
 
 MAX_LENGTH = 64
+MOST_QUOTED = 40  # letters of a value in a message
 
 # what each SI unit of the tool measures, for messages
 MEANING = {
@@ -133,23 +134,23 @@ def si_of(unit: str) -> str:
     return next(si for si in MEANING if unit_of(si)[1] == dimension)
 
 
-def quoted(value: object, limit: int = 40) -> str:
+def quoted(value: object) -> str:
     """Return a value as a user wrote it, on one line and not too long."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return printable(json.dumps(_shortened(value, limit), ensure_ascii=False))
+        return printable(json.dumps(_shortened(value), ensure_ascii=False))
     if isinstance(value, dict):
         return "a table"
     if isinstance(value, list | tuple):
         return "a list"
     if isinstance(value, int) and value.bit_length() > 1000:
         return "a number with hundreds of digits"
-    return _shortened(printable(value), limit)
+    return _shortened(printable(value))
 
 
-def _shortened(text: str, limit: int) -> str:
-    return text if len(text) <= limit else text[: limit - 3] + "..."
+def _shortened(text: str) -> str:
+    return text if len(text) <= MOST_QUOTED else text[: MOST_QUOTED - 3] + "..."
 
 
 def _split(text: str, example: str) -> tuple[str, str]:
