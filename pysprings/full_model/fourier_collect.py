@@ -189,14 +189,14 @@ class SpaceCollector(Watch):
     """Gathers one row per converged step of a path that leaves a plane, as `collect.Collector` does.
 
     Axes are those of the field: x, y to its left seen from above, rotations and moments right-handed with z up; w, V
-    and depth are positive down. The engine has y to the right of x. ``system`` returns that of the model, which is made
+    and depth are positive down. The engine has y to the right of x. ``system_now`` returns that of the model, made
     where a state is added. ``sea`` is that of a `Collector`.
     """
 
     def __init__(
-        self, built: BuiltFourier, system: Callable[[], Any], fields: bool, sea: tuple[float, float] | None
+        self, built: BuiltFourier, system_now: Callable[[], Any], fields: bool, sea: tuple[float, float] | None
     ) -> None:
-        self.system, self.keep_fields = system, fields
+        self.system_now, self.keep_fields = system_now, fields
         self.stations, n, self.wet = built.model.stations, len(built.azimuth), built.model.water is not None
         self.slices = slices_of_elements(built.section.depth)
         field = np.mod(-built.azimuth, 2.0 * np.pi)
@@ -229,7 +229,7 @@ class SpaceCollector(Watch):
 
     def _film(self, state: Fields) -> np.ndarray:
         """Return the pressure of the film at the stations (ns,) [Pa], on the whole area; 0 without water."""
-        system = self.system()
+        system = self.system_now()
         if system.water is None:
             return np.zeros(len(system.film_area))
         return system.water.film_pressure(state.pressure) * system.film_area / system.stations.area
@@ -253,7 +253,7 @@ class SpaceCollector(Watch):
             "normal_effective_stress": -state.traction[:, 0],
             "shear_around": np.cos(angle) * traction[:, 1] - np.sin(angle) * traction[:, 0],
             "shear_vertical": -traction[:, 2],
-            "gap": self.system().gaps(state),
+            "gap": self.system_now().gaps(state),
         } | ({"pore_pressure": water} if self.wet else {})
         return {
             name: np.stack([means_of_elements(values[ring])[self._order] for ring in self.rings])
