@@ -13,7 +13,9 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from pysprings.core.arrays import Array, Marks
+from pysprings.scene.fields import Interval
 from pysprings.scene.profile_table import WATER
+from pysprings.scene.soils.clay import OCR
 from pysprings.scene.soils.friction import LEAST_STIFFNESS
 from pysprings.scene.soils.sand import mobilisation
 from pysprings.site.sounding import LEAST_STRESS, PA, SAND_TO, unit_weight
@@ -23,7 +25,7 @@ CRITICAL = np.radians(33.0)  # critical-state friction angle of quartz sand (Bol
 K0_NC = 0.5  # of normally consolidated sand, where a correlation needs one
 LEAST_PRESSURE = 150.0e3  # Pa, smallest p' in Bolton's index (his reply to the discussion)
 HELD = (0.05, 1.0)  # D_r of correlations
-OVERCONSOLIDATED = (1.0, 40.0)  # OCR of a scene
+LEAST_OCR, MOST_OCR = map(float, Interval(OCR.interval).bounds)  # that a scene takes
 CONE_FACTORS = (10.0, 14.0, 18.0)  # N_kt that give su high, best, low
 
 
@@ -231,7 +233,7 @@ def overconsolidation(strength: Array, stress: Array) -> Array:
 
     Jamiolkowski et al. (1985): su = 0.23 OCR^0.8 s'_v0.
     """
-    return np.clip((strength / (0.23 * stress)) ** 1.25, *OVERCONSOLIDATED)
+    return np.clip((strength / (0.23 * stress)) ** 1.25, LEAST_OCR, MOST_OCR)
 
 
 def clay(factors: tuple[float, float, float] = CONE_FACTORS) -> tuple[Correlation, ...]:

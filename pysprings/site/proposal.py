@@ -27,7 +27,8 @@ from pysprings.site.correlations import (
     CRITICAL,
     FOUR_SANDS,
     KARLSRUHE,
-    OVERCONSOLIDATED,
+    LEAST_OCR,
+    MOST_OCR,
     SAND,
     Correlation,
     Rows,
@@ -347,19 +348,16 @@ def _consolidated(unit: Unit, effective: Array, depth: Array) -> None:
     """
     if not (known := np.isfinite(effective)).any():
         return
-    ends = np.array([unit.top, unit.bottom])
-    inside = np.linspace(unit.top, unit.bottom, 2 * STATIONS + 1)[1::2]
+    ends, share = np.array([unit.top, unit.bottom]), (np.arange(STATIONS) + 0.5) / STATIONS
+    shares, key = np.stack([1.0 - share, share]), "overconsolidation_ratio"
+    inside, strength = ends @ shares, unit.values["undrained_shear_strength"].lines @ shares
     stress = np.maximum(np.interp(inside, depth[known], effective[known]), LEAST_STRESS)
-    strength = np.array([np.interp(inside, ends, line) for line in unit.values["undrained_shear_strength"].lines])
-    ratios, key = overconsolidation(strength, stress), "overconsolidation_ratio"
+    ratios = overconsolidation(strength, stress)
     if key not in unit.values:
         lines = [np.polyval(np.polyfit(inside, each, 1, w=1.0 / each), ends) for each in ratios]  # of relative errors
-        unit.values[key] = Value(np.clip(lines, *OVERCONSOLIDATED), ("Jamiolkowski et al. 1985, from su/s'_v0",))
-    index, given, half = (
-        np.array([np.interp(inside, ends, line) for line in unit.values[each].lines])
-        for each in ("plasticity_index", key, "strain_at_half_strength")
-    )
-    least = 0.5 * strength / small_strain_modulus(stress, index, given)
+        unit.values[key] = Value(np.clip(lines, LEAST_OCR, MOST_OCR), ("Jamiolkowski et al. 1985, from su/s'_v0",))
+    given, half = (unit.values[each].lines @ shares for each in (key, "strain_at_half_strength"))
+    least = 0.5 * strength / small_strain_modulus(stress, unit.values["plasticity_index"].lines @ shares, given)
     k, at = np.unravel_index(np.argmax(least / half), least.shape)
     if least[k, at] > half[k, at]:
         unit.remarks.append(

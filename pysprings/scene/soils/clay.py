@@ -140,14 +140,14 @@ _SU = Quantity("kPa", "[0, 1e5]", _SU_TEXT, "5 kPa", common=(0.5, 300.0))
 _RIGIDITY = Number("[1, 1e5]", "shear modulus over su, instead of young_modulus", 200.0)
 _INDEX_TEXT = "plasticity index in %; gives small-strain G of clay, with overconsolidation_ratio"
 _INDEX = Number("[0, 160]", _INDEX_TEXT, 40.0, common=(5.0, 130.0))
-_OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5)
+OCR = Number("[1, 40]", "overconsolidation ratio, 1 where not given; beside plasticity_index", 1.5)
 _HALF_TEXT = "engineering shear strain at su/2 (1.5 eps50 of a triaxial test)"
 _HALF = Number("[1e-6, 0.5]", _HALF_TEXT, 0.01, common=(1e-3, 0.06))
 _TABLE = "backbone of iwan-clay: pairs of engineering shear strain and secant G/G_0, beside the stiffness"
 _CYCLIC = "backbone of iwan-clay from contours of cyclic tests at a number of cycles and tau_a/su, beside the stiffness"
 CLAY: dict[str, Field] = {
     "undrained_shear_strength": Profile(_SU), "rigidity_ratio": Profile(_RIGIDITY), "plasticity_index": Profile(_INDEX),
-    "overconsolidation_ratio": Profile(_OCR), "strain_at_half_strength": Profile(_HALF),
+    "overconsolidation_ratio": Profile(OCR), "strain_at_half_strength": Profile(_HALF),
 }  # fmt: skip
 
 
