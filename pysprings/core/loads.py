@@ -61,10 +61,10 @@ _KEPT = 1.0 - CLOSE_LOAD * (1.0 - 1e-9)  # a little closer, for rounding
 
 def same_load(a: float, b: float) -> bool:
     """Return whether two vertical loads [N] are one: they may differ by solver tolerances."""
-    return abs(a - b) <= max(SAME_LOAD * max(abs(a), abs(b)), NO_LOAD)
+    return bool(same_loads(a, b))
 
 
-def same_loads(values: Array, other: Array | float) -> Marks:
+def same_loads(values: Array | float, other: Array | float) -> Marks:
     """Return which vertical loads (n,) [N] are one with another, or each with its own (n,)."""
     largest = np.maximum(np.abs(values), np.abs(other))
     same: Marks = np.abs(np.subtract(values, other)) <= np.maximum(SAME_LOAD * largest, NO_LOAD)

@@ -32,8 +32,7 @@ def test_import_is_light() -> None:
 
 
 @pytest.mark.parametrize("name", ["errors", "exporters", "plots"])
-def test_modules_of_the_front_door_open_first(name: str) -> None:
-    """The test above finds them where another one has imported them."""
+def test_modules_of_the_front_door_open_where_nothing_else_is_imported(name: str) -> None:
     done = subprocess.run([sys.executable, "-c", f"import pysprings; pysprings.{name}"], check=False, cwd=ROOT)
     assert done.returncode == 0
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
 
-from pysprings.core.loads import close_loads, fewest_loads, nearest
+from pysprings.core.loads import close_loads, fewest_loads, nearest, same_loads
 
 
 @pytest.mark.parametrize(
@@ -58,3 +58,4 @@ def test_beyond_all_loads_the_nearest_one_is_that_at_the_end() -> None:
     assert nearest(values, loads).tolist() == [2, 2, 2, 1, 1, 0, 0, 0]
     assert nearest(np.array([-3e6, 3e6]), loads[:2]).tolist() == [1, 1]
     assert nearest(np.array([-3e6, 3e6]), loads[:1]).tolist() == [0, 0]
+    assert same_loads(np.array([0.4, 2.0, 1.0005e6]), np.array([-0.4, -0.4, 1e6])).tolist() == [True, False, True]
