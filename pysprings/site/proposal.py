@@ -21,7 +21,7 @@ from pysprings.scene.by_depth import WEAKER
 from pysprings.scene.defaults import beyond_common
 from pysprings.scene.profile_table import WATER
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
-from pysprings.scene.soils.clay import small_strain_modulus
+from pysprings.scene.soils.clay import FACTORS, VonMises, small_strain_modulus
 from pysprings.site.correlations import (
     CONE_FACTORS,
     CRITICAL,
@@ -52,10 +52,11 @@ from pysprings.site.sounding import (
 
 # by depth; the others are means of a layer
 LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion")
-WITH_STRAIN = ("degradation_strain", "strain_at_half_strength")  # for stiffnesses of small strains alone
+_HALF, _OCR = "strain_at_half_strength", "overconsolidation_ratio"
+WITH_STRAIN = ("degradation_strain", _HALF)  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades
-_NOT_OF_POINTS = {*STIFFNESSES, "overconsolidation_ratio", "hydraulic_conductivity"} - {"shear_modulus"}
+_NOT_OF_POINTS = {*STIFFNESSES, _OCR, "hydraulic_conductivity"} - {"shear_modulus"}
 MARKED = 0.1  # share of rows outside the range of a correlation from which it is marked
 ROUNDING = 1.0e-9  # of the largest value of a line: less is 0
 LEAST_SHARE = 0.02  # of the largest value of a line, where points have no ratio to it
@@ -103,13 +104,24 @@ class Unit:
     @property
     def written(self) -> dict[str, Value]:
         """Values that its law uses; where the law gives the stiffness, that of a file alone."""
-        law = SOIL_LAWS[self.law]
-        others = {*LAW_KEYS} - {*law.keys, *law.unused}
-        by_law = {"shear_modulus", "degradation_strain"} if law.gives_stiffness else set()
+        by_law = {"shear_modulus", "degradation_strain"} if SOIL_LAWS[self.law].gives_stiffness else set()
         return {
             key: value for key, value in self.values.items()
-            if key not in others and (value.measured or key not in by_law)
+            if key not in self.unused and (value.measured or key not in by_law)
         }  # fmt: skip
+
+    @property
+    def unused(self) -> dict[str, str]:
+        """Why its law does not use values, by key."""
+        law = SOIL_LAWS[self.law]
+        why = dict.fromkeys({*LAW_KEYS} - {*law.keys, *law.unused}, f"law {self.law} does not use it")
+        first, *others = [key for key in law.stiffnesses if key in self.values] or [""]
+        why |= dict.fromkeys(others, f"{first} gives the stiffness")
+        if "plasticity_index" in others:
+            why[_OCR] = why["plasticity_index"]
+        if isinstance(law, VonMises) and not law.hardens and {*FACTORS} & self.values.keys():
+            why[_HALF] = f"law {self.law} with factors of su is elastic up to su; iwan-clay takes both"
+        return why
 
 
 @dataclass(frozen=True)
@@ -347,16 +359,19 @@ def _consolidated(unit: Unit, effective: Array, depth: Array) -> None:
     G_max of an OCR that su does not have makes the clay too soft, elastic beyond gamma_50 at last: that has a remark.
     """
     if not (known := np.isfinite(effective)).any():
+        unit.remarks += ["no unit weight, so no OCR of su/s'_v0: a scene takes 1"] * (_OCR not in unit.values)
         return
     ends, share = np.array([unit.top, unit.bottom]), (np.arange(STATIONS) + 0.5) / STATIONS
-    shares, key = np.stack([1.0 - share, share]), "overconsolidation_ratio"
+    shares = np.stack([1.0 - share, share])
     inside, strength = ends @ shares, unit.values["undrained_shear_strength"].lines @ shares
     stress = np.maximum(np.interp(inside, depth[known], effective[known]), LEAST_STRESS)
     ratios = overconsolidation(strength, stress)
-    if key not in unit.values:
+    if _OCR not in unit.values:
         lines = [np.polyval(np.polyfit(inside, each, 1, w=1.0 / each), ends) for each in ratios]  # of relative errors
-        unit.values[key] = Value(np.clip(lines, LEAST_OCR, MOST_OCR), ("Jamiolkowski et al. 1985, from su/s'_v0",))
-    given, half = (unit.values[each].lines @ shares for each in (key, "strain_at_half_strength"))
+        unit.values[_OCR] = Value(np.clip(lines, LEAST_OCR, MOST_OCR), ("Jamiolkowski et al. 1985, from su/s'_v0",))
+    if _HALF not in unit.written:
+        return
+    given, half = (unit.values[each].lines @ shares for each in (_OCR, _HALF))
     least = 0.5 * strength / small_strain_modulus(stress, unit.values["plasticity_index"].lines @ shares, given)
     k, at = np.unravel_index(np.argmax(least / half), least.shape)
     if least[k, at] > half[k, at]:
@@ -368,13 +383,13 @@ def _consolidated(unit: Unit, effective: Array, depth: Array) -> None:
 
 def _remark(unit: Unit) -> None:
     """Add what a file gives and the law does not use, and what is missing."""
-    law, written = SOIL_LAWS[unit.law], unit.written
+    law, written, unused = SOIL_LAWS[unit.law], unit.written, unit.unused
     unit.remarks += [unit.unknown] if unit.unknown else []
     for key, value in unit.values.items():
         odd = dict.fromkeys(filter(None, (beyond_common(key, float(each)) for each in value.lines[1])))
         unit.remarks.extend(f"{key}: {text}" for text in odd if value.measured)
         if value.measured and key not in written:
-            unit.remarks.append(f"{key} ({value.sources[0]}) is not written: law {unit.law} does not use it")
+            unit.remarks.append(f"{key} ({value.sources[0]}) is not written: {unused[key]}")
     if law.gives_stiffness and "shear_modulus" in written:
         unit.remarks.append("shear_modulus of a file stays as it is: G does not follow the stress")
     missing = [key for key in law.needs if key not in {*written, *law.defaults}]

@@ -328,6 +328,37 @@ def test_plasticity_without_overconsolidation_has_that_of_its_strength(tmp_path)
     assert "gamma_50 high, 0.0075, is below su/(2 G), 0.0101" in remark and "OCR 1 at 5.17 m" in remark
 
 
+def test_plasticity_beside_another_stiffness_of_a_table_is_not_written(tmp_path) -> None:
+    """A row with I_p and G/su ended in a traceback; I_p and G were both written, and the scene refused the table."""
+    head = "top [m],bottom [m],Soil type,su [kPa],gamma' [kN/m3],Ip [%],OCR [-],G/su [-]"
+    (tmp_path / "a.csv").write_text(f"{head}\n0,9,CLAY,40,8,30,2,150\n9,20,CLAY,60,8,30,2,\n")
+    done = command("ground", tmp_path / "a.csv", "--out", tmp_path / "site.csv", "--no-figures")
+    given = "(given, without a range) is not written: rigidity_ratio gives the stiffness"
+    for key in ("plasticity_index", "overconsolidation_ratio"):
+        assert f"layer 1: {key} {given}" in done.out
+    first, second = read_layers(tmp_path / "site.csv")
+    assert first["rigidity_ratio"] == 150.0 and not {"plasticity_index", "overconsolidation_ratio"} & first.keys()
+    assert second["plasticity_index"] == 30.0
+
+
+def test_factors_of_strength_take_the_place_of_the_strain_of_half_of_it(tmp_path) -> None:
+    """Both were written for law von-mises, and the scene refused the table; iwan-clay takes both."""
+    head = "top [m],bottom [m],Soil type,law,su [kPa],gamma' [kN/m3],Ip [%],extension_factor"
+    rows = (f"{9 * k},{9 * k + 9},CLAY,{law},40,8,30,0.7" for k, law in enumerate(("von-mises", "iwan-clay")))
+    (tmp_path / "a.csv").write_text("\n".join([head, *rows]))
+    layers = proposal(tmp_path / "a.csv", "--out", tmp_path / "site.csv", "--no-figures")["layers"]
+    first, second = read_layers(tmp_path / "site.csv")
+    assert "strain_at_half_strength" not in first and not any("gamma_50" in each for each in layers[0]["remarks"])
+    assert second["strain_at_half_strength"]["best"] == 0.015 and second["extension_factor"] == 0.7
+
+
+def test_plasticity_without_unit_weight_has_no_overconsolidation(tmp_path) -> None:
+    """The row had no OCR and no remark; a scene takes 1, which makes stiff clay too soft."""
+    (tmp_path / "a.csv").write_text("top [m],bottom [m],Soil type,su [kPa],Ip [%]\n0,9,CLAY,200,30\n")
+    (layer,) = proposal(tmp_path / "a.csv")["layers"]
+    assert "no unit weight, so no OCR of su/s'_v0: a scene takes 1" in layer["remarks"]
+
+
 def test_measured_stiffness_is_no_second_one_beside_that_of_a_table(tmp_path) -> None:
     """Both were written, and the scene refused the table."""
     (tmp_path / "log.csv").write_text(
