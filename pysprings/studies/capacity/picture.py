@@ -201,7 +201,8 @@ CASES = (
 CRITERIA = (
     "Capacity is the largest load along its direction. peak: the load falls behind it; plateau: 1 % more displacement "
     "adds less than 0.02 % to the load at the end; displacement limit: the largest load up to the limit of motion "
-    "({motion}), where it still grows; stopped before failure: the run ended earlier, the capacity is larger."
+    "({motion}), where it still grows; stopped before failure: the run ended earlier, or the water would cavitate, the "
+    "capacity is larger."
 )
 DIRECTIONS = "direction: angle in the plane of H and M/D; M is about the lid centre at mudline, M = H arm."
 WITH_TORSION = (

@@ -21,6 +21,7 @@ from pysprings.core.arrays import Array
 from pysprings.core.errors import RunIncomplete
 from pysprings.core.path_kinds import LOADS, MOTIONS
 from pysprings.core.progress import Progress
+from pysprings.core.storage import read_tree
 from pysprings.core.words import StopReason
 from pysprings.core.workers import Task, run_tasks
 from pysprings.full_model.accuracy.own_estimate import PHASE, estimates_by_default
@@ -30,6 +31,7 @@ from pysprings.model.forecast.resources import jobs_for, size_of
 from pysprings.model.forecast.run_time import seconds
 from pysprings.results.exporters.tables import IN_SPACE
 from pysprings.scene.model import Scene
+from pysprings.springs.path_ends import FEWEST, steps_before_cavitation
 from pysprings.studies.capacity.plan import PROBE, Direction, Group, Request
 from pysprings.studies.stored_runs import Whole, has_ended, record_of, run_folder, why_stopped
 
@@ -113,7 +115,7 @@ PLANE = {"u_m": 0, "w_m": 2, "rotation_rad": 4, "H_N": 6, "V_N": 8, "M_Nm": 10}
 
 
 def point_of(folder: Path, record: RunRecord | None, scene: Scene, direction: Direction) -> Point | None:
-    """Return the capacity of a probe that ended in a folder; None where no step of it converged."""
+    """Return the capacity of a probe that ended in a folder, before its water would cavitate; None without a step."""
     file = folder / "load_displacement.csv"
     if record is None or not file.exists():
         return None
@@ -121,13 +123,22 @@ def point_of(folder: Path, record: RunRecord | None, scene: Scene, direction: Di
     frame = frame[frame["converged"] == 1]
     if len(frame) < 2:
         return None
+    why, (ends, error) = "; ".join(record.failures), (record.paths.get(PROBE), record.error_estimate or {})
+    at_limit = ends is not None and ends.reason is StopReason.DISPLACEMENT_LIMIT
+    if scene.drainage.water_depth is not None and (count := _steps_before_cavitation(folder)) < len(frame):
+        frame, why, at_limit = frame.iloc[: max(count, FEWEST)], "the water would cavitate beyond this load", False
     states = np.zeros((len(frame), 12))
     for name, column in (PLANE if "u_m" in frame else SPACE).items():
         states[:, column] = frame[name]
-    why, (ends, error) = "; ".join(record.failures), (record.paths.get(PROBE), record.error_estimate or {})
-    at_limit = ends is not None and ends.reason is StopReason.DISPLACEMENT_LIMIT
     known = error.get("by_path", {}).get(PROBE, {}).get("load_pct", np.nan)
     return assess(states, scene, direction, why, at_limit, float(known))
+
+
+def _steps_before_cavitation(folder: Path) -> int:
+    """Return the number of converged steps of a probe before its water would cavitate."""
+    tree = read_tree(folder / "full_model.nc")
+    path = next(tree[group][PROBE] for group in ("paths", "space") if group in tree.children).to_dataset()
+    return steps_before_cavitation(path.isel(step=path["converged"].values == 1))
 
 
 def along_load(direction: Direction, diameter: float) -> Array:
@@ -282,7 +293,10 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
 def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:
     """Run one, and once more with small steps where it stops before failure; return the one that went further."""
     done = _run(planned, out, progress)
-    if not done.failed:
+    record = record_of(done.folder, planned.scene)
+    if not done.failed or (
+        record is not None and not record.failures
+    ):  # the water would cavitate: steps change nothing
         return done
     small = _run(
         planned.with_small_steps(),

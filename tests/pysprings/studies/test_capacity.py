@@ -3,6 +3,7 @@
 
 import json
 import math
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from pysprings.core import version
 from pysprings.core.errors import UserInputError
@@ -128,6 +130,30 @@ def test_a_fall_within_the_error_of_the_mesh_is_no_peak(tmp_path: Path) -> None:
     at_limit = points.point_of(tmp_path, record, SCENE, (0.0, 0.0))
     assert at_limit is not None
     assert (at_limit.criterion, at_limit.why, at_limit.mesh_error) == (Criterion.MOTION, "", 2.0)
+
+
+@pytest.mark.parametrize(("group", "kind"), [("paths", "u_m"), ("space", "u_x_m")])
+def test_what_a_probe_carries_by_water_that_would_cavitate_is_no_capacity(
+    group: str, kind: str, tmp_path: Path
+) -> None:
+    """Of a load that grows to the limit of motion, with a margin that falls below 0 at a tenth of it."""
+    u, scene = np.linspace(0.0, 0.1 * D, 41), SCENE.replace(drainage={"mode": "undrained", "water_depth": 10.0})
+    states = curve(1e6 * u, u)
+    columns = points.PLANE if kind == "u_m" else points.SPACE
+    path = pd.DataFrame({name: states[:, column] for name, column in columns.items()})
+    path.assign(converged=1).to_csv(tmp_path / "load_displacement.csv")
+    for first, size, criterion in ((10, 9, Criterion.NONE), (1, 1, Criterion.NONE), (41, 40, Criterion.MOTION)):
+        margin = np.where(np.arange(41) < first, 1e5, -1e5)
+        data = {"cavitation_margin": ("step", margin), "converged": ("step", np.ones(41, dtype=np.int8))}
+        probe = {f"/{group}/probe": xr.Dataset(data)}
+        xr.DataTree.from_dict(probe).to_netcdf(tmp_path / "full_model.nc", engine="netcdf4")
+        ended = SimpleNamespace(reason=StopReason.DISPLACEMENT_LIMIT)
+        record: Any = SimpleNamespace(failures=[], paths={"probe": ended}, error_estimate=None)
+        with warnings.catch_warnings(action="ignore"):  # the file has no checksum
+            point = points.point_of(tmp_path, record, scene, (0.0, 0.0))
+        assert point is not None
+        assert (point.criterion, point.H) == (criterion, pytest.approx(1e6 * u[size]))
+        assert ("water would cavitate" in point.why) is (criterion is Criterion.NONE)
 
 
 @pytest.mark.slow
