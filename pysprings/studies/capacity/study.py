@@ -105,6 +105,8 @@ def assess(
 ) -> points.Capacity:  # fmt: skip
     """Return the capacities of ended runs."""
     rows, remarks = [], [] if springs is None else _other_drainage(springs, scene)
+    if scene.drainage.mode == "undrained" and scene.drainage.water_depth is None:
+        remarks.append("suction of the water is not checked against cavitation: drainage.water_depth is not given")
     for group in dict.fromkeys(each.planned.group.name for each in ended):
         own = [each for each in ended if each.planned.group.name == group]
         if own[0].overloaded:

@@ -477,6 +477,17 @@ def test_springs_in_which_water_takes_part_otherwise_have_a_remark() -> None:
     assert remarks == [("the springs beside the full model are coupled, its probes drained",), ()]
 
 
+def test_suction_that_is_not_checked_has_a_remark() -> None:
+    """Sand that dilates carries ten times its drained load by a suction of many atmospheres."""
+    for drainage, words in (
+        ({"mode": "undrained"}, True),
+        ({"mode": "undrained", "water_depth": 9.0}, False),
+        ({}, False),
+    ):
+        remarks = study.assess(SCENE.replace(drainage=drainage), plan.Request((1e6,)), []).remarks
+        assert ("not checked against cavitation: drainage.water_depth" in "".join(remarks)) is words
+
+
 def test_refusals(tmp_path: Path) -> None:
     file = tiny.write(SCENE, tmp_path / "tiny.toml")
     other = save_springs(synthetic.make_springs(caisson=synthetic.Caisson(length=5.0)), tmp_path / "other.nc")
