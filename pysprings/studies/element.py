@@ -4,7 +4,7 @@
 A fit is least squares with the bounds of each key (scipy, trust region).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -275,17 +275,32 @@ def fit(
 
     first, bounds = misfit(coordinates(start)), (coordinates(low), coordinates(high))
     found = least_squares(misfit, coordinates(start), bounds=bounds, diff_step=_STEP, x_scale="jac")
-    spread, correlation = _errors(found.jac, (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1))
     span, after = bounds[1] - bounds[0], numbers(found.x)
-    steps = np.diag(_AT_BOUND * np.where(logs, span, np.fmin(span, 1.0)))
-    near = [is_beyond(found.x - step) or is_beyond(found.x + step) for step in steps]
+    steps = np.diag(np.fmax(_AT_BOUND * np.where(logs, span, np.fmin(span, 1.0)), _STEP * np.abs(found.x)))
+    near = [(is_beyond(found.x - step), is_beyond(found.x + step)) for step in steps]
+    spread, correlation = _errors(
+        _slopes(found, misfit, steps, near), (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1)
+    )
     error = spread * np.where(logs, after, unit)
     fitted = []
     for key, before, value, off, at_bound in zip(keys, start, after, error, near, strict=True):
         own, scale = _unit_of(key)
-        fitted.append(Fitted(key, own, before / scale, value / scale, off / scale, bool(at_bound)))
+        fitted.append(Fitted(key, own, before / scale, value / scale, off / scale, any(at_bound)))
     return Fit(tuple(fitted), float(np.linalg.norm(first)), float(np.linalg.norm(found.fun)), correlation,
                changed_to(found.x), found.status > 0)  # fmt: skip
+
+
+def _slopes(found: Any, misfit: Callable[[Array], Array], steps: Array, beyond: list[tuple[bool, bool]]) -> Array:
+    """Return the slopes (m, n) of the residuals where a search ended; those of a key at a bound by a step inwards.
+
+    A difference across a bound, beyond which the law refuses all, is none of the data.
+    """
+    slopes = np.array(found.jac)
+    for k, (below, above) in enumerate(beyond):
+        if below != above:
+            inward = steps[k] if below else -steps[k]
+            slopes[:, k] = (misfit(found.x + inward) - found.fun) / inward[k]
+    return slopes
 
 
 def _errors(jac: Array, variance: float) -> tuple[Array, Array]:

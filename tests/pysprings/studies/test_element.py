@@ -219,6 +219,13 @@ def test_a_fitted_value_that_is_none_has_a_mark(scene: Path, tmp_path: Path) -> 
     (tmp_path / "lab.csv").write_text(HEAD + weak)
     (key,) = json.loads(command(*about, "friction_angle_final", "--json").out)["fit"]["keys"]
     assert key["value"] == pytest.approx(20.0, rel=5e-3) and key["at_bound"]
+    own = (*about[:4], "--stress", "100 kPa", "--out", str(tmp_path / "lab"), "--no-figures")
+    command(*own)
+    data = pd.read_csv(tmp_path / "lab/element.csv")
+    data["volumetric_strain"] = -3.0 * data["axial_strain"]  # a dilation above the friction angle, which no law takes
+    data[["stress_Pa", "axial_strain", "q_Pa", "volumetric_strain"]].to_csv(tmp_path / "lab.csv", index=False)
+    (key,) = json.loads(command(*about, "dilation_angle", "--json").out)["fit"]["keys"]
+    assert key["at_bound"] and 0.01 < key["error"] < 5.0  # of a search across the bound 0.0004 deg
     small = "100,0,0\n100,0.001,0.9\n100,0.002,1.8\n100,0.003,2.6\n"  # before yield
     (tmp_path / "lab.csv").write_text(HEAD + small)
     fit = json.loads(command(*about, "young_modulus,friction_angle_final", "--json").out)["fit"]
