@@ -24,8 +24,8 @@ from pysprings.scene.profile_table import WATER
 PA = 1.0e5  # Pa, atmospheric pressure of the normalisations
 AREA_RATIO = 0.8  # of a cone whose file gives none
 LEAST_STRESS = 1.0e3  # Pa, below which normalisations use it
-# beyond these a unit is wrong: m, Pa, Pa, share
-MOST_DEPTH, MOST_CONE, LEAST_CONE, MOST_FRICTION, LEAST_FRICTION = 500.0, 200.0e6, 20.0e3, 0.3, 5.0e-4
+# beyond these a unit is wrong: m, m, Pa, Pa, share
+LEAST_DEPTH, MOST_DEPTH, MOST_CONE, LEAST_CONE, MOST_FRICTION, LEAST_FRICTION = 0.5, 500.0, 200.0e6, 20.0e3, 0.3, 5.0e-4
 MOST_PRESSURE, LEAST_PRESSURE = 2.0, 0.02  # of u_2 over q_c in the median, over the hydrostatic pressure
 # of the median of a test: Pa, Pa, Pa/m of q_c over depth, which is that of the ground above at the least
 HALF_CONE, HALF_SLEEVE, LEAST_RATE = 60.0e6, 1.0e6, 8.0e3
@@ -117,7 +117,7 @@ def sounding(
         least = f"{1e-3 * np.nanmin(cone):.3g} kPa"
         notes.append(f"{count} cone resistances are negative, down to {least}: is the zero of the cone right?")
     sleeve = np.where(np.isfinite(channel["fs"]), channel["fs"], channel["Rf"] * cone)
-    if count := int((sleeve[good] <= 0.0).sum()):
+    if np.isfinite(sleeve[good]).any() and (count := int((~(sleeve[good] > 0.0)).sum())):
         notes.append(f"{count} rows without positive sleeve friction have no I_c")
     sleeve = np.where(sleeve > 0.0, sleeve, np.nan)
     _refuse_units(place, name, depth[good], cone[good], sleeve[good], channel["u2"][good])
@@ -263,7 +263,7 @@ def _order(place: str, name: str, depth: Array) -> list[str]:
 
 
 def _refuse_units(place: str, test: str, depth: Array, cone: Array, sleeve: Array, pressure: Array) -> None:
-    """Refuse resistances, frictions and pressures that no test has: their units are wrong."""
+    """Refuse depths, resistances, frictions and pressures that no test has: their units are wrong."""
     half, half_sleeve, rate = (_median(each, 0.0) for each in (cone, sleeve, cone / np.maximum(depth, 1.0)))
     friction, most = _median(sleeve / cone, 0.01), float(cone.max())
     share = _median(pressure / cone, 0.0)
@@ -278,6 +278,9 @@ def _refuse_units(place: str, test: str, depth: Array, cone: Array, sleeve: Arra
     ):
         if wrong:
             raise refused(None, f"{test} has {what}: is the unit right?", place)
+    if (end := float(depth.max())) < LEAST_DEPTH:
+        message = f"{test} ends at a depth of {end:.3g} m, less than {LEAST_DEPTH:g} m: is the unit right?"
+        raise refused(None, message, place)
 
 
 def _median(values: Array, default: float) -> float:

@@ -218,11 +218,11 @@ def test_friction_ratios_of_almost_no_cone_resistance_do_not_refuse_a_test(tmp_p
 
 
 def test_what_is_left_out_of_a_test_is_stated(tmp_path) -> None:
-    text = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n-0.5,0.1,0.01,0\n1.5,2,0,\n1,1,0.01,0.1\n2,3,0.03,0.2\n3,,0.03,0.2\n"
+    text = "z [m],qc [MPa],fs [MPa],u2 [MPa]\n-0.5,0.1,0.01,0\n1.5,2,0,\n1,1,0.01,0.1\n2,3,,0.2\n3,,0.03,0.2\n"
     (test,) = read(tmp_path, "a.csv", text).soundings
     assert test.depth.tolist() == [1.0, 1.5, 2.0] and test.pressure == pytest.approx([1e5, 1.5e5, 2e5])
-    assert np.isnan(test.sleeve).tolist() == [False, True, False]
-    for note in ("1 rows above mudline are left out", "1 rows without positive sleeve friction have no I_c",
+    assert np.isnan(test.sleeve).tolist() == [False, True, True]
+    for note in ("1 rows above mudline are left out", "2 rows without positive sleeve friction have no I_c",
                  "rows are not in the order of their depth: sorted", "1 rows without u2: between its neighbours",
                  "1 of 5 rows without depth or positive cone resistance are left out"):  # fmt: skip
         assert any(note in each for each in test.notes), (note, test.notes)
@@ -354,6 +354,7 @@ def test_layers_with_relative_density(tmp_path) -> None:
         ("none.gef", None, "none.gef: no such file"),
         ("a.csv", CSV.replace("fs [MPa]", "fs [kPa]"), "has a sleeve friction of only 0.000554 % of the cone resist"),
         ("a.csv", CSV.replace("u2 [MPa]", "u2 [GPa]"), "has a pore pressure u2 of 20 MPa, beyond 10 MPa: is the unit"),
+        ("a.csv", CSV.replace("z [m]", "z [cm]"), "ends at a depth of "),
         ("a.csv", SOFT, "has a pore pressure u2 of 2.5 times the cone resistance: is the unit right?"),
         ("a.csv", PERCENT.replace("Rf (%)", "Rf"), "a.csv:1: Rf: has no unit: write 'Rf [%]', or 'Rf [-]' for a share"),
         ("a.csv", CSV + CSV.split("\n", 1)[1], "a.csv: A-1: the depth falls from 2 to 0.5 m from one row to the nex"),
