@@ -20,6 +20,7 @@ MIN_RADIUS_RATIO = 1.02  # domain radius over caisson radius: room for a graded 
 _MAY_BE_ZERO = ("arm_from", "load_angle")  # None where not given
 MIN_DEPTH_RATIO = 1.02  # domain depth over skirt length: room for a graded mesh below the tip
 _REACH = ("springs", "reach")
+MOST_REACH = 0.5  # of the fan, over the skirt length: rad of its rotation
 _MOST_VISCOUS = 1.0e-5  # viscous displacement over outer diameter
 
 
@@ -40,8 +41,8 @@ def clashes(scene: SceneSections) -> Iterator[Clash]:
     yield from _viscous(scene.solver, scene.caisson)
     if scene.drainage.mode == "coupled" and scene.springs.reach is not None and not scene.springs.rates:
         yield Clash((("springs", "rates"), _REACH), 'drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]')
-    twice = [*_twice(scene.springs, scene.caisson)]
-    yield from twice or _load_paths(scene)
+    of_fan = [*_far(scene.springs, scene.caisson), *_twice(scene.springs, scene.caisson)]
+    yield from of_fan or _load_paths(scene)
     yield from space_clashes(scene)
     yield from _changing_loads(scene)
     yield from design_clashes(scene.design)
@@ -224,6 +225,13 @@ def _load_paths(scene: SceneSections) -> Iterator[Clash]:
     for clash in (*_paths((*scene.paths, *of_fan)), *(_times(scene.paths) if coupled else ())):
         keys = (key if key[0] != "path" or int(key[1]) < own else _REACH for key in clash.keys)
         yield Clash(tuple(dict.fromkeys(keys)), clash.message)
+
+
+def _far(springs: Springs, caisson: Caisson) -> Iterator[Clash]:
+    """Refuse a reach whose rotation no path may have."""
+    if springs.reach is not None and springs.reach > (most := MOST_REACH * caisson.skirt_length):
+        text = f"{show(springs.reach, 'mm')} must be at most half of skirt_length ({show(most, 'mm')})"
+        yield Clash((_REACH, ("caisson", "skirt_length")), text)
 
 
 def _twice(springs: Springs, caisson: Caisson) -> Iterator[Clash]:

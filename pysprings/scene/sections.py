@@ -96,7 +96,7 @@ _RADIUS = Quantity("m", "[0.01, 1e4]", 'radius of the cylinder of soil; "auto" f
 _BOTTOM = Quantity(
     "m", "[0.01, 1e4]", 'depth of the cylinder of soil; "auto" follows caisson and layers', "12 m", word=AUTO
 )
-_REACH = Quantity("mm", "[1e-6, 1e5]", "largest motion of the fan of load paths", "20 mm")
+_REACH = Quantity("mm", "[1e-6, 1e4]", "largest motion of the fan of load paths", "20 mm")
 _FURTHER_LOADS = QuantityList(
     "", (("", Quantity("MN", "[-1e4, 1e4]", "vertical load", "4 MN")),),
     'further vertical loads under which the rays are computed, beside that of [caisson]; "from cases" takes the fewest '
