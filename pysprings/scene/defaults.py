@@ -248,6 +248,8 @@ def _of_sections(scene: SceneSections) -> Iterator[str]:
         if section == "path" or name not in getattr(scene, section).model_fields_set:
             continue
         yield from _number(scene, key, getattr(getattr(scene, section), name), common)
+    if isinstance(load := scene.caisson.vertical_load, float) and load < 0.0:
+        yield f"caisson.vertical_load: {show(load, 'MN')} pulls the caisson up: V is positive down"
     given = scene.springs.vertical_loads
     yield from (text for V in given for text in _number(scene, "springs.vertical_loads", V, _V))
     yield from (text for v in scene.springs.rates for text in _number(scene, "springs.rates", v, RANGES["path.rate"]))

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from pysprings.core.units import show
 from pysprings.scene.by_depth import ByDepth, Value, follows_stress
 from pysprings.scene.sections import BY_LAYER, Extent, Layer, Soil
 from pysprings.scene.soils import LAW_KEYS, SOIL_LAWS, STIFFNESSES
@@ -255,7 +254,7 @@ def thinnest(extent: Extent) -> float:
 
 def moved_layers(soil: Soil, extent: Extent) -> list[str]:
     """Return a sentence on each layer whose top is moved, or that is too thin to be modelled."""
-    places, least = {number: top for number, top, _ in _places(soil, extent)}, show(thinnest(extent), "mm")
+    places, least = {number: top for number, top, _ in _places(soil, extent)}, f"{1e3 * thinnest(extent):.9g} mm"
     texts = []
     for number, layer in enumerate(soil.layers):
         if number not in places:

@@ -138,6 +138,12 @@ def test_a_slip_by_a_factor_is_named_with_what_was_meant(old: str, new: str, key
     assert words in found[0] and "outside the common range" in found[0]
 
 
+def test_a_dead_load_that_pulls_is_named_with_the_sign_of_V() -> None:
+    """Of a table with z up the weight is -2 MN; as an uplift it leaves sand without stress."""
+    (found,) = remarks(parse_scene(SAND + 'surcharge = "5 kPa"\n[caisson]\nvertical_load = "-2 MN"\n'))
+    assert found == "caisson.vertical_load: -2 MN pulls the caisson up: V is positive down"
+
+
 def test_every_number_of_the_ground_and_the_caisson_has_a_range() -> None:
     """Keys without one are words, shares of others, or settings of the computation."""
     free = {"young_modulus", "shear_modulus", "rigidity_ratio", "overconsolidation_ratio", "degradation_limit",

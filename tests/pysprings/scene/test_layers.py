@@ -322,10 +322,10 @@ def test_unusual_sand_is_named_once(old, new, words):
     assert words in found
 
 
-def boundaries(*tops):
+def boundaries(*tops, caisson=None):
     """The paper's sand in layers from these depths on, in a domain of 12 m; the skirt is 4 m long."""
     layers = [{"top": top, "name": f"layer {n}"} for n, top in enumerate(tops)]
-    return tiny.paper(soil={"layers": layers}, domain={"depth": 12.0})
+    return tiny.paper(soil={"layers": layers}, domain={"depth": 12.0}, caisson=caisson or {})
 
 
 @pytest.mark.parametrize(
@@ -348,3 +348,9 @@ def test_boundaries_near_the_tip_and_each_other_leave_no_slivers(tops, kept, wor
     said = [text for text in remarks(scene) if "is moved" in text or "not modelled" in text]
     assert any(words in text for text in said) if words else said == []
     assert np.diff(np.unique(build(scene).model.mesh.nodes[:, 2].round(9))).min() > 1e-3
+
+
+def test_the_least_thickness_of_a_layer_is_stated_in_few_digits():
+    """6.5 m of skirt: not 6.500000000000001 mm."""
+    said = remarks(boundaries(0.0, 1e-6, 2.0, caisson={"skirt_length": 6.5}))
+    assert any("is thinner than 6.5 mm and not modelled" in text for text in said)
