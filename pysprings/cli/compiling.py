@@ -17,9 +17,9 @@ from pysprings.cli.support import print_json, to_stderr
 from pysprings.core import jit
 from pysprings.core.path_kinds import MEMORY
 from pysprings.core.progress import Progress
-from pysprings.core.workers import Task, cores, run_tasks
 
 if TYPE_CHECKING:
+    from pysprings.core.workers import Task
     from pysprings.scene.model import Scene
 
 
@@ -37,7 +37,7 @@ def compile(  # the name of the command
 
     templates = {name: parse_scene(template_text(name)) for name in template_names()} if scene is None else {}
     scenes = templates if scene is None else {str(scene): load(scene, None, changes)}
-    seconds = {name: compiled(each, jobs=cores()) for name, each in scenes.items()}
+    seconds = {name: compiled(each, jobs=None) for name, each in scenes.items()}
     if as_json:
         print_json({"compiled_s": seconds})
     else:
@@ -45,8 +45,11 @@ def compile(  # the name of the command
             print(f"{name}: {f'compiled in {value:.0f} s' if value else 'was compiled before'}")
 
 
-def compiled(scene: Scene, quiet: bool = False, jobs: int = 1) -> float:
-    """Compile the loops of a scene, and return the time [s]; more ``jobs`` than one compile those of springs beside."""
+def compiled(scene: Scene, quiet: bool = False, jobs: int | None = 1) -> float:
+    """Compile the loops of a scene, and return the time [s]; more ``jobs`` than one compile those of springs beside; None: the cores."""
+    from pysprings.core.workers import Task, cores, run_tasks
+
+    jobs = jobs or cores()
     found: list[float] = []
 
     def begun(*_: object) -> None:
@@ -110,7 +113,7 @@ def compile_first(scene: Scene, quiet: bool = False, jobs: int | None = 1) -> No
     mark = jit.mark_of(_kind(scene))
     if mark is None or mark.exists():
         return
-    seconds = compiled(scene, quiet, jobs or cores())
+    seconds = compiled(scene, quiet, jobs)
     if seconds and not quiet:
         to_stderr(f"note: compiled in {seconds:.0f} s; later runs have the loops")
 

@@ -13,7 +13,6 @@ from pysprings.cli.options import DrawnFigures, Format, Jobs, Json, Mesh, NoFigu
 from pysprings.cli.support import interruptible, kept_in, print_files, print_json, print_table, quantities, to_stderr
 from pysprings.core.columns import records
 from pysprings.core.errors import RunIncomplete, following
-from pysprings.core.workers import cores
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -112,6 +111,7 @@ def stability(
 
     Ends with exit code 3 where a case stops without a named reason.
     """
+    from pysprings.core.workers import cores
     from pysprings.studies import stability as catalogue
 
     far = quantities({"--reach": (reach, "m", "20 mm")})["--reach"]

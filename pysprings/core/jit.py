@@ -7,7 +7,6 @@ Where Numba is not installed (``requirements-predict.txt``) all of them are plai
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -59,6 +58,8 @@ def compilation(begun: Callable[[], None]) -> Iterator[Callable[[], float]]:
 
 def mark_of(kind: str) -> Path | None:
     """Return the file beside the kept loops that marks those of a kind of scene as made; None: none are kept."""
+    from hashlib import sha256
+
     from fe_engine.compiled import HOME, engine_digest, folder_of
 
     folder = folder_of(HOME, engine_digest())
