@@ -16,6 +16,7 @@ import mmap
 import os
 import re
 import shutil
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -199,18 +200,17 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
 
     Raises UserInputError: no such file, a folder, another format, a broken or damaged file.
     """
+    import netCDF4
+
     _refuse_foreign(Path(path))
     try:
         whole = bytes_hold(path)
         if whole is False:
             raise refused(None, "the file is damaged: its bytes have changed since it was written", path)
-        judge_header(path)
-        # seconds stay numbers: a duration is not a date
-        with (
-            uninterrupted(),
-            xr.open_datatree(path, engine="netcdf4", decode_times=False, decode_timedelta=False) as tree,
-        ):
-            result = _with_bounds_units(tree.load())
+        content = Path(path).read_bytes()  # the C library crashes where a file is open twice
+        with uninterrupted(), _ONE_READER, netCDF4.Dataset(os.fspath(path), memory=content) as root:
+            _judge(path, root)
+            result = _with_bounds_units(_contents(root))
     except (UserInputError, ResourceError, ModuleNotFoundError):
         raise
     except Exception as error:  # the C libraries below raise many types on a damaged file
@@ -241,6 +241,7 @@ def _refuse_foreign(path: Path) -> None:
         raise refused(None, "not a NetCDF-4 file (of a run: springs.nc or full_model.nc, or its folder)", path)
 
 
+_ONE_READER = threading.Lock()  # the C library is not safe in threads
 MOST_SPRINGS = 100e6  # bytes of a spring set, unpacked: hundreds of paths
 MOST_GROUPS = 20_000
 MOST_VARIABLES = 200  # in a group
@@ -250,27 +251,51 @@ _DENSEST = 1032.0  # bytes that one byte of deflate can stand for at best
 _SPARE = 10e6  # bytes that a small file may have beyond that: fill values of short arrays
 
 
-def judge_header(path: str | os.PathLike[str]) -> None:
-    """Refuse a file whose groups, variables or attributes are too many, or whose arrays are too large.
+def _judge(path: str | os.PathLike[str], root: Any) -> None:
+    """Refuse an open file whose groups, variables or attributes are too many, or whose arrays are too large.
 
     Raises UserInputError: the numbers, or sizes beyond what a file of this size can hold, or beyond a spring set's.
     Raises ResourceError: the content needs more memory than is free.
     """
-    import netCDF4
-    import psutil
-
     name, packed = str(path), Path(path).stat().st_size
-    with netCDF4.Dataset(os.fspath(path)) as root:
-        total = _sizes(name, root)
-        springs = "schema" in root.ncattrs()
+    total = _sizes(name, root)
     if total > _DENSEST * packed + _SPARE:
         _refuse(name, f"{total / 1e9:,.3g} GB when unpacked from {packed / 1e6:.3g} MB: most of it was never written")
-    if springs and max(total, packed) > MOST_SPRINGS:
+    if max(total, packed) <= MOST_SPRINGS:
+        return
+    if "schema" in root.ncattrs():
         size = max(total, packed) / 1e6
         _refuse(name, f"{size:,.0f} MB when unpacked; a set of springs has at most {MOST_SPRINGS / 1e6:.0f} MB")
+    import psutil
+
     free = psutil.virtual_memory().available
     if total > free:
         raise ResourceError(f"{path}: {total / 1e9:,.3g} GB when unpacked; {free / 1e9:.3g} GB of memory are free")
+
+
+def _contents(root: Any) -> xr.DataTree:
+    """Return all groups of an open file in memory, by the CF conventions; seconds stay numbers, no dates.
+
+    xarray's own reader takes a lock and a lazy array for each variable, which is twice the time.
+    """
+    root.set_auto_maskandscale(False)
+    root.set_auto_chartostring(False)
+    groups = {}
+    for group in _groups(root):
+        variables = {name: (each.dimensions, _values(each), _attributes(each)) for name, each in group.variables.items()}
+        raw = xr.Dataset(variables, attrs=_attributes(group))
+        groups[group.path] = xr.decode_cf(raw, decode_times=False, decode_timedelta=False).load()
+    return xr.DataTree.from_dict(groups)
+
+
+def _values(variable: Any) -> Any:
+    """Return the values of a variable; those of an index of texts with their length, as xarray reads them."""
+    is_index = variable.dtype is str and variable.dimensions == (variable.name,)
+    return variable[...].astype(str) if is_index else variable[...]
+
+
+def _attributes(of: Any) -> dict[str, Any]:
+    return {name: of.getncattr(name) for name in of.ncattrs()}
 
 
 def _sizes(name: str, root: Any) -> float:

@@ -4,6 +4,8 @@
 import errno
 import os
 import signal
+import subprocess
+import sys
 
 import netCDF4
 import numpy as np
@@ -29,6 +31,26 @@ def test_plain_xarray_reads_the_file_and_keeps_seconds(tmp_path):
     with xr.open_dataset(file, group="paths/pull") as data:
         assert data["time"].dtype.kind == "f"
         assert float(data["depth"][-1]) == 4.0
+
+
+def test_a_file_that_another_reader_holds_open_is_read(tmp_path):
+    """The second open file crashed Python (netCDF 4.10.1): as where a notebook has it open in xarray."""
+    file = write_tree(make_springs(), tmp_path / "springs.nc")
+    script = (
+        "import sys, netCDF4\nfrom pysprings.core.storage import read_tree\n"
+        "with netCDF4.Dataset(sys.argv[1]):\n    trees = [read_tree(sys.argv[1]) for _ in range(5)]\n"
+    )
+    assert subprocess.run([sys.executable, "-c", script, str(file)]).returncode == 0
+
+
+def test_indexes_of_texts_have_the_type_that_xarray_gives_them(tmp_path):
+    file = write_tree(make_result(), tmp_path / "full_model.nc")
+    with xr.open_datatree(file, engine="netcdf4", decode_timedelta=False) as tree:
+        for node in tree.load().subtree:
+            own = read_tree(file)[node.path]
+            assert {name: each.dtype for name, each in own.variables.items()} == {
+                name: each.dtype for name, each in node.variables.items()
+            }
 
 
 def test_large_arrays_are_compressed_and_coordinates_have_no_fill_value(tmp_path):
@@ -178,9 +200,13 @@ def test_a_full_disk_is_a_resource_that_is_missing(tmp_path):
 @pytest.mark.skipif(os.name == "nt", reason="signals are different there")
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_waits_until_a_file_is_whole(tmp_path, monkeypatch, kind):
-    """One that comes while xarray takes its locks would leave them taken."""
-    taken = CombinedLock.__enter__
-    monkeypatch.setattr(CombinedLock, "__enter__", lambda lock: (os.kill(os.getpid(), kind), taken(lock))[1])
+    """One that comes while xarray takes its locks would leave them taken; a reader holds one of its own."""
+
+    def killed(function):
+        return lambda *arguments, **options: (os.kill(os.getpid(), kind), function(*arguments, **options))[1]
+
+    monkeypatch.setattr(CombinedLock, "__enter__", killed(CombinedLock.__enter__))
+    monkeypatch.setattr(xr, "decode_cf", killed(xr.decode_cf))
     for call in (lambda: write_tree(make_springs(), tmp_path / "a.nc"), lambda: read_tree(tmp_path / "a.nc")):
         with interruptible(), pytest.raises(KeyboardInterrupt):
             call()
