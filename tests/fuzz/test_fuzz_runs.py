@@ -9,6 +9,7 @@ from tests.fuzz.runs import faults
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")  # as outside of pytest, words on stderr
 @pytest.mark.parametrize("seed", range(30))
 def test_a_random_scene_runs_or_is_refused_in_words(seed: int, tmp_path: Path) -> None:
     _, wrong = faults(seed, tmp_path)
