@@ -141,7 +141,7 @@ ENDINGS = (".csv", ".xlsx", ".xlsm", ".tsv", ".txt")
 FOREIGN = (".xls", ".xlsb", ".ods", ".numbers")  # refused with what to do
 MOST_BYTES = 50_000_000  # of a file, of a workbook when unpacked
 MOST_LINES = 300_000  # of a CSV file: ten seconds of checks
-MOST_ROWS = 200_000  # of a sheet of a workbook
+MOST_ROWS, MOST_CELLS = 200_000, 5_000_000  # of a sheet of a workbook, blanks up to its last cell counted
 MOST_WORDS = 200  # characters of a message of a library
 SEPARATORS = (";", "\t", ",")
 
@@ -306,9 +306,10 @@ def _hidden(xml: bytes, tag: bytes, size: bytes) -> list[bytes]:
 def _rows(path: Path, sheet: Any) -> Iterator[Line]:
     """Yield the lines of a sheet that are not blank."""
     for line, cells in enumerate(sheet.iter_rows(), start=1):
-        if line > MOST_ROWS:
-            words = f"sheet {quoted(sheet.title)} has more than {MOST_ROWS:,} lines"
-            raise refused(None, f"is too large for a table ({words})", path)
+        if line > MOST_ROWS or line * len(cells) > MOST_CELLS:
+            wide = f"{MOST_CELLS:,} cells up to its last column, {len(cells):,}: delete what is beside"
+            most = f"{MOST_ROWS:,} lines" if line > MOST_ROWS else wide
+            raise refused(None, f"is too large for a table (sheet {quoted(sheet.title)} has more than {most})", path)
         values = [_value(cell) for cell in cells]
         if any(value is not None for value in values):
             yield line, values
