@@ -46,7 +46,10 @@ def compile(  # the name of the command
 
 
 def compiled(scene: Scene, quiet: bool = False, jobs: int | None = 1) -> float:
-    """Compile the loops of a scene, and return the time [s]; more ``jobs`` than one compile those of springs beside; None: the cores."""
+    """Compile the loops of a scene, and return the time [s].
+
+    More ``jobs`` than one compile those of springs beside; None: as many as the machine has cores.
+    """
     from pysprings.core.workers import Task, cores, run_tasks
 
     jobs = jobs or cores()

@@ -282,7 +282,8 @@ def _contents(root: Any) -> xr.DataTree:
     root.set_auto_chartostring(False)
     groups = {}
     for group in _groups(root):
-        variables = {name: (each.dimensions, _values(each), _attributes(each)) for name, each in group.variables.items()}
+        own = group.variables.items()
+        variables = {name: (each.dimensions, _values(each), _attributes(each)) for name, each in own}
         raw = xr.Dataset(variables, attrs=_attributes(group))
         groups[group.path] = xr.decode_cf(raw, decode_times=False, decode_timedelta=False).load()
     return xr.DataTree.from_dict(groups)
