@@ -10,7 +10,7 @@ import numba
 import pytest
 
 from pysprings.cli import compiling
-from pysprings.core import jit
+from pysprings.core import jit, workers
 from pysprings.core.storage import read_tree
 from pysprings.core.workers import Task
 from pysprings.results.folder import Writing, run_to_folder
@@ -102,7 +102,7 @@ def test_loops_are_compiled_in_two_processes(
             done(task, seconds)
         done(tasks[0], ValueError("no mesh"))
 
-    monkeypatch.setattr(compiling, "run_tasks", fake)
+    monkeypatch.setattr(workers, "run_tasks", fake)
     assert [compiling.compiled(tiny.scene(), jobs=jobs) for jobs in (1, 2)] == [5.0, 3.0]
     assert capsys.readouterr().err.count("compiling the loops") == 2
     assert compiling.compiled(tiny.scene(), quiet=True, jobs=2) == 3.0 and not capsys.readouterr().err
