@@ -76,7 +76,7 @@ def linear(springs: Springs, options: Options) -> Linear:
     springs = here if rate is None else springs.at_rate(float(rate))
     of_rate = [] if rate is None else [f"of the springs at {1e3 * float(rate):.4g} mm/s (of rho)"]
     if at is None:
-        beside = [AT_REST, *of_rate, *secants(springs), *linear_errors(springs)]
+        beside = [AT_REST, *_mean(springs), *of_rate, *secants(springs), *linear_errors(springs)]
         return Linear(at_lid(springs), "stiffness at rest", beside)
     question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
     with warnings.catch_warnings(record=True, action="always", category=MacroWarning) as marks:
@@ -86,6 +86,15 @@ def linear(springs: Springs, options: Options) -> Linear:
     lateral = matrix[np.ix_([0, 4], [0, 4])]
     notes = [*(f"supported in part: {each.message}" for each in marks), str(found.attrs["vertical"])]
     return Linear(matrix, name, [words, *of_rate, *notes, *secants(springs), *linear_errors(springs, lateral)])
+
+
+def _mean(springs: Springs) -> list[str]:
+    """Return a line on what Kxty stands for, where friction makes the stiffness at rest unsymmetric."""
+    K = springs.lateral_stiffness
+    if abs(K[0, 1] - K[1, 0]) < 1e-3 * abs(K[0, 1]):
+        return []
+    both = f"H per rotation {1e-6 * K[0, 1]:.4g} and M per u {1e-6 * K[1, 0]:.4g} MN/rad"
+    return [f"the matrix is symmetric: Kxty is the mean of {both} of the full model"]
 
 
 def place_of(springs: Springs, text: str) -> tuple[Load, Springs]:
@@ -152,12 +161,15 @@ def _steps(motion: Array, length: float, shares: Sequence[float] = SHARES) -> li
 
 
 def linear_errors(springs: Springs, lateral: Array | None = None) -> list[str]:
-    """Return the lines of a table with a row for each lateral path: errors in H and M of a matrix (2, 2), or at rest.
+    """Return the lines of a table with a row for each lateral path: errors in H and M of a matrix (2, 2).
+
+    Without a matrix it is that at rest as it is written, symmetric.
 
     Loads of the matrix at the recorded motion (u, rotation) less those of the full model, relative to the largest size
     of each load on the whole path, at `SHARES` of the range.
     """
-    rows, matrix = [], springs.lateral_stiffness if lateral is None else lateral
+    K = springs.lateral_stiffness
+    rows, matrix = [], 0.5 * (K + K.T) if lateral is None else lateral
     for name, path in springs.paths.items():
         if path.is_vertical:
             continue

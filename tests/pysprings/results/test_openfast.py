@@ -19,7 +19,7 @@ from pysprings.macro.stiffness import stiffness, stiffness_six
 from pysprings.memory.elements import PLATES
 from pysprings.results.exporters import Source, export
 from pysprings.results.exporters.soildyn.library import COMPILERS, build, library_input, library_name
-from pysprings.results.exporters.subdyn import labels, linear_errors, secants
+from pysprings.results.exporters.subdyn import labels, linear, linear_errors, secants
 from pysprings.results.tables import open_table
 from pysprings.springs.springs import Springs
 from tests.support import loaded, openfast, rates, subdyn, synthetic, winkler, written
@@ -396,6 +396,22 @@ def test_a_moment_that_is_rounding_has_no_error_of_the_matrix() -> None:
     rows = [line.split() for line in linear_errors(Springs.of(tree))[3:]]
     assert rows
     assert all(row[-3:] == ["-"] * 3 and "-" not in row[:-3] for row in rows)
+
+
+def test_errors_of_the_matrix_at_rest_are_those_of_the_symmetric_one_that_is_written() -> None:
+    """Friction makes H per rotation another than M per u; the formats take their mean, which has a line."""
+    tree = vertical_springs()
+    K = tree["stiffness_initial"].values.copy()
+    K[0, -1], K[-1, 0] = 1.1 * K[0, -1], 0.9 * K[-1, 0]
+    tree["stiffness_initial"].values = K
+    springs = Springs.of(tree)
+    own = linear(springs, {"at": "", "rate": None, "matrix": "secant"})
+    written = own.stiffness[np.ix_([0, 4], [0, 4])]
+    assert written[0, 1] == written[1, 0] == pytest.approx(0.5 * (K[0, -1] + K[-1, 0]))
+    rows = linear_errors(springs, written)
+    assert own.lines[-len(rows) :] == rows != linear_errors(springs, K[np.ix_([0, -1], [0, -1])])
+    both = f"H per rotation {1e-6 * K[0, -1]:.4g} and M per u {1e-6 * K[-1, 0]:.4g} MN/rad"
+    assert f"the matrix is symmetric: Kxty is the mean of {both} of the full model" in own.lines
 
 
 def test_soildyn_follows_a_sequence_with_memory(library: Path, tmp_path: Path) -> None:
