@@ -47,6 +47,8 @@ _COMPONENTS = ("Fx_N", "Fy_N", "Fz_N", "Mx_Nm", "My_Nm")
 _FACTORS = ("factor", "factor_H", "factor_M", "factor_V")
 FORMS = "H with M or arm, M alone, V alone, or Fx, Fy, Fz, Mx, My, Mz with z up"
 MOST_FACTOR = 10.0
+# beyond these the unit of a column is doubtful: unit of the words, its size in SI, range
+_COMMON = {"arm_m": ("m", 1.0, 0.1, 500.0), "tilt_rad": ("deg", math.radians(1.0), 0.01, 5.0)}
 _TURN = 2.0 * np.pi * (1.0 + 1e-9)
 
 
@@ -322,17 +324,31 @@ def _factored(values: dict[str, Array]) -> tuple[dict[str, Array], list[str]]:
     beside = {"H_N": np.any(moments, axis=0), "factor_H": force.any(axis=1), "factor_V": np.isfinite(down)}
     left |= {name: left[name] & rows for name, rows in beside.items()}
     idle = np.isfinite(by["V"]) & (by["V"] != 1.0) & np.isnan(down)
-    lifted = np.isfinite(values["Fz_N"]) & (np.nan_to_num(values["Fz_N"], nan=np.inf).min(initial=np.inf) > 0.0)
-    remarks = []
+    odd, remarks = _odd(values), []
     for k, each in enumerate(taken):
         words = [f"factor H {values['factor_H'][k]:g} multiplies the moment, too (no factor M)"] if each else []
         words += ["factor M is not used: the moment of H at its height has the factor of H"] if unused[k] else []
         words += ["factor V is not used: V is blank"] if idle[k] else []
         blank = [name for name, rows in left.items() if rows[k]]
         words += [f"{name.removesuffix('_N').replace('_', ' ')} is blank: {none[name]}" for name in blank]
-        words += ["V is a pull, as in all rows: Fz counts upwards"] if lifted[k] else []
-        remarks.append("; ".join(words))
+        remarks.append("; ".join([*words, *odd[k]]))
     return loads, remarks
+
+
+def _odd(values: dict[str, Array]) -> list[list[str]]:
+    """Return remarks by row on a V that is a pull in all rows, and on arms and tolerances of an unusual size."""
+    texts: list[list[str]] = [[] for _ in values["V_N"]]
+    for name, sign, words in (("Fz_N", 1.0, "Fz counts upwards"), ("V_N", -1.0, "V is positive down")):
+        given = np.isfinite(values[name])
+        if given.any() and (sign * values[name][given]).min() > 0.0:
+            for k in np.flatnonzero(given):
+                texts[k].append(f"V is a pull, as in all rows: {words}")
+    for name, (unit, scale, low, high) in _COMMON.items():
+        size = np.abs(values[name]) / scale
+        for k in np.flatnonzero((size > 0.0) & ((size < low) | (size > high * (1.0 + 1e-9)))):
+            common = f"outside the common range {low:g} to {high:g} {unit}: is its unit right?"
+            texts[k].append(f"{name.split('_')[0]} is {size[k]:.3g} {unit}, {common}")
+    return texts
 
 
 def _vector(size: Array, angle: Array) -> Array:

@@ -151,6 +151,23 @@ def test_a_table_with_z_down_has_a_remark_in_every_row(tmp_path: Path) -> None:
     down = table(tmp_path, head, "a,10,0,9500,0,400,0", "b,10,0,4500,0,400,0")
     assert all(text == "V is a pull, as in all rows: Fz counts upwards" for text in down.notes)
     assert not any(table(tmp_path, head, "a,10,0,9500,0,400,0", "b,10,0,-4500,0,400,0").notes)
+    head = "case,H [kN],arm [m],V [kN]"
+    up = table(tmp_path, head, "a,10,3,-9500", "b,10,3,-4500")
+    assert all(text == "V is a pull, as in all rows: V is positive down" for text in up.notes)
+    assert not any(table(tmp_path, head, "a,10,3,-9500", "b,10,3,4500").notes)
+
+
+def test_an_arm_in_mm_and_a_tolerance_in_rad_have_a_remark(tmp_path: Path) -> None:
+    """300 kN at 8 mm in place of 8 m was ok with 0.28 mm for 0.69; 0.25 rad, 14 deg, for 0.25 deg is never exceeded."""
+    head = "case,H [kN],arm [mm],tilt [rad]"
+    odd = table(tmp_path, head, "a,300,8,0.25", "b,300,8000,0.0044", "c,300,0,7e-5", "d,300,8e5,0.0044")
+    assert odd.notes == (
+        "arm is 0.008 m, outside the common range 0.1 to 500 m: is its unit right?; "
+        "tilt is 14.3 deg, outside the common range 0.01 to 5 deg: is its unit right?",
+        "",
+        "tilt is 0.00401 deg, outside the common range 0.01 to 5 deg: is its unit right?",
+        "arm is 800 m, outside the common range 0.1 to 500 m: is its unit right?",
+    )
 
 
 def test_the_order_and_the_parts_of_loads_change_no_case(tmp_path: Path) -> None:
