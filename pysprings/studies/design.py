@@ -203,12 +203,12 @@ def with_tilt(
 
 
 def _stiffness(answers: xr.Dataset, frame: pd.DataFrame) -> pd.DataFrame:
-    """Return secants H/u and M/rotation (NaN for no motion), and the tangent at the state by degree of freedom."""
+    """Return secants H/u and M/rotation (NaN for no load or motion), and the tangent at the state."""
     secant = {
         "secant_H_u_N_per_m": frame["H_N"] / frame["u_m"],
         "secant_M_rotation_Nm": frame["M_Nm"] / frame["rotation_rad"],
     }
-    out = pd.DataFrame(secant).replace([np.inf, -np.inf], np.nan)
+    out = pd.DataFrame(secant).replace([np.inf, -np.inf, 0.0], np.nan)
     dofs = [str(name) for name in answers["dof"].values]
     for (row, column), name in STIFFNESS.items():
         if row in dofs and column in dofs:
