@@ -278,9 +278,8 @@ def fit(
     span, after = bounds[1] - bounds[0], numbers(found.x)
     steps = np.diag(np.fmax(_AT_BOUND * np.where(logs, span, np.fmin(span, 1.0)), _STEP * np.abs(found.x)))
     near = [(is_beyond(found.x - step), is_beyond(found.x + step)) for step in steps]
-    spread, correlation = _errors(
-        _slopes(found, misfit, steps, near), (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1)
-    )
+    variance = (found.fun @ found.fun) / max(len(found.fun) - len(keys), 1)
+    spread, correlation = _errors(_slopes(found, misfit, steps, near), variance)
     error = spread * np.where(logs, after, unit)
     fitted = []
     for key, before, value, off, at_bound in zip(keys, start, after, error, near, strict=True):

@@ -294,9 +294,8 @@ def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:
     """Run one, and once more with small steps where it stops before failure; return the one that went further."""
     done = _run(planned, out, progress)
     record = record_of(done.folder, planned.scene)
-    if not done.failed or (
-        record is not None and not record.failures
-    ):  # the water would cavitate: steps change nothing
+    cavitates = record is not None and not record.failures  # steps change nothing
+    if not done.failed or cavitates:
         return done
     small = _run(
         planned.with_small_steps(),
