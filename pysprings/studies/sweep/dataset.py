@@ -204,14 +204,14 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
     if not over and not axes and (bars := _bars(data, known[quantity])):
         if np.isnan(bars[0]):
             raise refused("--picture", f"'{quantity}' has no answer with all ranges at best, which bars begin at")
-        return _tornado(data, f"{quantity} [{known[quantity].attrs.get('units', '1')}]", *bars)
+        return _tornado(data, _named(quantity, known), *bars)
     chosen = list(over) or axes[:2]
     _refuse_axes(chosen, axes)
     values, others = _on(known[quantity], chosen, data)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.6), layout="constrained")
         plot = figure.add_subplot()
-        label = f"{quantity} [{values.attrs.get('units', '1')}]"
+        label = _named(quantity, known)
         x = data[chosen[0]]
         if len(chosen) == 1:
             plot.plot(x.values, values.values, "o" if "case" in values.dims else "o-", ms=4)
@@ -222,6 +222,17 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
         plot.set_xlabel(_label(x))
         plot.set_title("\n".join(filter(None, (str(data.attrs["title"]), others))), fontsize=9)
     return figure
+
+
+def _named(quantity: str, known: Mapping[str, xr.DataArray]) -> str:
+    """Return a quantity with its unit; of a largest load, in how many cases it is that at the end of the path."""
+    name, _, path = quantity.partition(":")
+    label = f"{quantity} [{known[quantity].attrs.get('units', '1')}]"
+    if not name.endswith("_largest"):
+        return label
+    ends = known[f"limit_load:{path}"].values[np.isfinite(known[quantity].values)]
+    count = int((ends == 0.0).sum())
+    return label + f"\nno limit load in {count} of {ends.size} cases: the end of the path" * (count > 0)
 
 
 def check_pictures(plan: Plan, quantities: Sequence[str], over: Sequence[str] = ()) -> None:

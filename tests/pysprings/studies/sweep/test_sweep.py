@@ -236,8 +236,11 @@ def test_a_table_and_a_picture_of_the_dataset(ended, tmp_path):
         assert [row[0].value for row in book["cases"].iter_rows(min_row=2)] == [1, 2, 3, 4]
         drawn = draw(data, "K_H", ["young_modulus", "mu"]).axes[0].collections[0].get_array()
         assert np.array_equal(np.ravel(drawn), data["K_H"].values.T.ravel())
-        line = draw(data, "H_largest:pull", ["mu"]).axes[0].lines[0]
-        assert line.get_ydata() == pytest.approx(data["H_largest"].sel(path="pull")[1].values)
+        plot = draw(data, "H_largest:pull", ["mu"]).axes[0]
+        assert plot.lines[0].get_ydata() == pytest.approx(data["H_largest"].sel(path="pull")[1].values)
+        assert plot.get_ylabel() == "H_largest:pull [N]\nno limit load in 4 of 4 cases: the end of the path"
+        plot = draw(data.assign(limit_load=data["limit_load"] + 1.0), "H_largest:pull", ["mu"]).axes[0]
+        assert plot.get_ylabel() == "H_largest:pull [N]"  # capacities
         with pytest.raises(UserInputError, match="no quantity 'K_h'"):
             draw(data, "K_h")
 
