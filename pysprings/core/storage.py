@@ -199,6 +199,7 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     A file without a checksum (written or changed by another program) is read with a warning.
 
     Raises UserInputError: no such file, a folder, another format, a broken or damaged file.
+    Raises ResourceError: the content needs more memory than is free.
     """
     import netCDF4
 
@@ -207,7 +208,8 @@ def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
         whole = bytes_hold(path)
         if whole is False:
             raise refused(None, "the file is damaged: its bytes have changed since it was written", path)
-        content = Path(path).read_bytes()  # the C library crashes where a file is open twice
+        small = Path(path).stat().st_size <= MOST_SPRINGS
+        content = Path(path).read_bytes() if small else None  # the C library crashes where a file is open twice
         with uninterrupted(), _ONE_READER, netCDF4.Dataset(os.fspath(path), memory=content) as root:
             _judge(path, root)
             result = _with_bounds_units(_contents(root))
