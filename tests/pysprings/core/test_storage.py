@@ -202,15 +202,18 @@ def test_a_full_disk_is_a_resource_that_is_missing(tmp_path):
 def test_an_interrupt_waits_until_a_file_is_whole(tmp_path, monkeypatch, kind):
     """One that comes while xarray takes its locks would leave them taken; a reader holds one of its own."""
 
-    def killed(function):
-        return lambda *arguments, **options: (os.kill(os.getpid(), kind), function(*arguments, **options))[1]
+    groups = []
 
-    monkeypatch.setattr(CombinedLock, "__enter__", killed(CombinedLock.__enter__))
-    monkeypatch.setattr(xr, "decode_cf", killed(xr.decode_cf))
+    def killed(function, then):
+        return lambda *arguments, **options: (os.kill(os.getpid(), kind), then(), function(*arguments, **options))[2]
+
+    monkeypatch.setattr(CombinedLock, "__enter__", killed(CombinedLock.__enter__, list))
+    monkeypatch.setattr(xr, "decode_cf", killed(xr.decode_cf, lambda: groups.append(1)))
     for call in (lambda: write_tree(make_springs(), tmp_path / "a.nc"), lambda: read_tree(tmp_path / "a.nc")):
         with interruptible(), pytest.raises(KeyboardInterrupt):
             call()
     monkeypatch.undo()
+    assert len(groups) == len(list(make_springs().subtree))  # read to the end
     write_attribute("title", "another", tmp_path / "a.nc")
     again = read_tree(tmp_path / "a.nc")
     assert again.attrs["title"] == "another"
