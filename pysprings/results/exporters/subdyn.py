@@ -43,6 +43,7 @@ _SECANTS = (
     "at 10 and 50 % of the range of paths [MN/m, MN/rad, MN m/rad]:"
 )
 _SECANT_COLUMNS = ("state", "|u| [mm]", "|rotation| [mrad]", "Kxx", "Kxty", "Ktyty")
+_LATERAL = np.ix_([0, 4], [0, 4])  # u and rotation of a matrix (6, 6)
 _COLUMNS = ("path", "role", "u [mm]", "rotation [mrad]", *(f"{load} {100 * s:g} %" for load in "HM" for s in SHARES))
 
 
@@ -76,16 +77,16 @@ def linear(springs: Springs, options: Options) -> Linear:
     springs = here if rate is None else springs.at_rate(float(rate))
     of_rate = [] if rate is None else [f"of the springs at {1e3 * float(rate):.4g} mm/s (of rho)"]
     if at is None:
-        beside = [AT_REST, *_mean(springs), *of_rate, *secants(springs), *linear_errors(springs)]
-        return Linear(at_lid(springs), "stiffness at rest", beside)
+        matrix = at_lid(springs)
+        beside = [AT_REST, *_mean(springs), *of_rate, *secants(springs), *linear_errors(springs, matrix[_LATERAL])]
+        return Linear(matrix, "stiffness at rest", beside)
     question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
     with warnings.catch_warnings(record=True, action="always", category=MacroWarning) as marks:
         found = stiffness_six(springs, **question)
     matrix, name = found.values * np.outer(_UP, _UP) + 0.0, str(found.attrs["long_name"])
     words = f"linear: {name} ({options['at']}); x along that load; beside it secants of the springs, and its errors"
-    lateral = matrix[np.ix_([0, 4], [0, 4])]
     notes = [*(f"supported in part: {each.message}" for each in marks), str(found.attrs["vertical"])]
-    return Linear(matrix, name, [words, *of_rate, *notes, *secants(springs), *linear_errors(springs, lateral)])
+    return Linear(matrix, name, [words, *of_rate, *notes, *secants(springs), *linear_errors(springs, matrix[_LATERAL])])
 
 
 def _mean(springs: Springs) -> list[str]:
@@ -160,16 +161,13 @@ def _steps(motion: Array, length: float, shares: Sequence[float] = SHARES) -> li
     return [int(np.argmin(np.abs(size - share * size.max()))) for share in shares]
 
 
-def linear_errors(springs: Springs, lateral: Array | None = None) -> list[str]:
+def linear_errors(springs: Springs, lateral: Array) -> list[str]:
     """Return the lines of a table with a row for each lateral path: errors in H and M of a matrix (2, 2).
-
-    Without a matrix it is that at rest as it is written, symmetric.
 
     Loads of the matrix at the recorded motion (u, rotation) less those of the full model, relative to the largest size
     of each load on the whole path, at `SHARES` of the range.
     """
-    K = springs.lateral_stiffness
-    rows, matrix = [], 0.5 * (K + K.T) if lateral is None else lateral
+    rows = []
     for name, path in springs.paths.items():
         if path.is_vertical:
             continue
@@ -177,7 +175,7 @@ def linear_errors(springs: Springs, lateral: Array | None = None) -> list[str]:
         motion = np.stack([data["u"].values, data["rotation"].values])
         steps = _steps(motion, springs.length)
         end = [f"{1e3 * value + 0.0:.3g}" for value in motion[:, steps[-1]]]
-        words = _words(matrix @ motion, data, springs.length, steps)
+        words = _words(lateral @ motion, data, springs.length, steps)
         rows.append((name, str(data.attrs["role"]), *end, *words))
     return [_HEAD, *plain_table(_COLUMNS, rows, (True, True)).splitlines()] if rows else []
 
