@@ -105,9 +105,10 @@ class Unit:
     def written(self) -> dict[str, Value]:
         """Values that its law uses; where the law gives the stiffness, that of a file alone."""
         by_law = {"shear_modulus", "degradation_strain"} if SOIL_LAWS[self.law].gives_stiffness else set()
+        unused = self.unused
         return {
             key: value for key, value in self.values.items()
-            if key not in self.unused and (value.measured or key not in by_law)
+            if key not in unused and (value.measured or key not in by_law)
         }  # fmt: skip
 
     @property
