@@ -109,6 +109,7 @@ class Point:
 
 
 SPACE = {column: (*MOTIONS, *LOADS).index(name) for column, name in IN_SPACE.items() if name in (*MOTIONS, *LOADS)}
+CAVITATES = "the water would cavitate beyond this load"
 _MET = 1e-6  # the limit is met to rounding where it is imposed
 # Columns of a probe without torsion, and where they stand among (u_x, u_y, w, rot_x, rot_y, rot_z, H_x ... T)
 PLANE = {"u_m": 0, "w_m": 2, "rotation_rad": 4, "H_N": 6, "V_N": 8, "M_Nm": 10}
@@ -126,7 +127,7 @@ def point_of(folder: Path, record: RunRecord | None, scene: Scene, direction: Di
     why, (ends, error) = "; ".join(record.failures), (record.paths.get(PROBE), record.error_estimate or {})
     at_limit = ends is not None and ends.reason is StopReason.DISPLACEMENT_LIMIT
     if scene.drainage.water_depth is not None and (count := _steps_before_cavitation(folder)) < len(frame):
-        frame, why, at_limit = frame.iloc[: max(count, FEWEST)], "the water would cavitate beyond this load", False
+        frame, why, at_limit = frame.iloc[: max(count, FEWEST)], CAVITATES, False
     states = np.zeros((len(frame), 12))
     for name, column in (PLANE if "u_m" in frame else SPACE).items():
         states[:, column] = frame[name]
@@ -293,9 +294,7 @@ def run_all(runs: Sequence[Planned], out: Path, report: Progress, jobs: int | No
 def carry_out(planned: Planned, out: Path, progress: Progress) -> Ended:
     """Run one, and once more with small steps where it stops before failure; return the one that went further."""
     done = _run(planned, out, progress)
-    record = record_of(done.folder, planned.scene)
-    cavitates = record is not None and not record.failures  # steps change nothing
-    if not done.failed or cavitates:
+    if not done.failed or (done.point is not None and done.point.why == CAVITATES):  # smaller steps change nothing
         return done
     small = _run(
         planned.with_small_steps(),

@@ -16,6 +16,7 @@ import xarray as xr
 from pysprings.core import version
 from pysprings.core.errors import UserInputError
 from pysprings.core.tables.load_cases import LoadCases, read_load_cases
+from pysprings.core.storage import write_tree
 from pysprings.core.words import StopReason
 from pysprings.full_model.run_record import MeshFigures, RunRecord, Status
 from pysprings.scene.design_strength import StrengthFactors
@@ -154,6 +155,26 @@ def test_what_a_probe_carries_by_water_that_would_cavitate_is_no_capacity(
         assert point is not None
         assert (point.criterion, point.H) == (criterion, pytest.approx(1e6 * u[size]))
         assert ("water would cavitate" in point.why) is (criterion is Criterion.NONE)
+
+
+def test_a_probe_whose_water_would_cavitate_runs_once(tmp_path: Path) -> None:
+    """Steps change nothing there."""
+    scene, request = SCENE.replace(drainage={"mode": "undrained", "water_depth": 10.0}), plan.Request((1e6,))
+    probe = points.planned(plan.groups(scene, request), request)[0]
+    folder, u = tmp_path / "runs" / probe.name, np.linspace(0.0, 0.01 * D, 5)
+    folder.mkdir(parents=True)
+    states = curve(1e6 * u, u)
+    path = pd.DataFrame({name: states[:, column] for name, column in points.PLANE.items()})
+    path.assign(converged=1).to_csv(folder / "load_displacement.csv")
+    data = {"cavitation_margin": ("step", 1.0 - np.arange(5.0)), "converged": ("step", np.ones(5, dtype=np.int8))}
+    write_tree(xr.DataTree.from_dict({"/paths/probe": xr.Dataset(data)}), folder / "full_model.nc")
+    record = RunRecord(
+        Status.COMPLETE, scene_sha256=probe.scene.sha256, version=version.__version__, schema=RESULT, balance=None
+    )
+    (folder / "run.json").write_text(record.as_json(), encoding="utf-8")
+    done = points.carry_out(probe, tmp_path, lambda *_: None)
+    assert done.point is not None and done.point.why == points.CAVITATES
+    assert [each.name for each in folder.parent.iterdir()] == [probe.name]
 
 
 @pytest.mark.slow
