@@ -39,16 +39,9 @@ _STRAINS = (
 
 
 def stiffness(
-    radius: float,
-    length: float,
-    domain_radius: float,
-    domain_depth: float,
-    shear: float,
-    poisson: float,
-    cells: int = 10,
-    order: int = 4,
-    grading: float = 0.5,
-) -> tuple[float, float, float, float]:
+    radius: float, length: float, domain_radius: float, domain_depth: float, shear: float, poisson: float,
+    cells: int = 10, order: int = 4, grading: float = 0.5,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """K_H (N/m), K_C (N), K_M (N m) and K_free (N/m) of a rigid caisson bonded to elastic soil.
 
     H = K_H u + K_C rotation and M = K_C u + K_M rotation at mudline, where depth z is down and the lateral displacement
@@ -70,16 +63,9 @@ def stiffness(
 
 
 def matrix(
-    radius: float,
-    length: float,
-    domain_radius: float,
-    domain_depth: float,
-    shear: float,
-    poisson: float,
-    cells: int = 10,
-    order: int = 4,
-    grading: float = 0.5,
-) -> np.ndarray:
+    radius: float, length: float, domain_radius: float, domain_depth: float, shear: float, poisson: float,
+    cells: int = 10, order: int = 4, grading: float = 0.5,
+) -> np.ndarray:  # fmt: skip
     """H and M (rows) over u and rotation (columns), (2, 2) in N and m; see `stiffness`."""
     r_lines, z_lines = _lines(radius, length, domain_radius, domain_depth, cells, grading)
     rule = Rule.of(order)

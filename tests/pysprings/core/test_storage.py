@@ -47,10 +47,10 @@ def test_indexes_of_texts_have_the_type_that_xarray_gives_them(tmp_path):
     file = write_tree(make_result(), tmp_path / "full_model.nc")
     with xr.open_datatree(file, engine="netcdf4", decode_timedelta=False) as tree:
         for node in tree.load().subtree:
-            own = read_tree(file)[node.path]
-            assert {name: each.dtype for name, each in own.variables.items()} == {
-                name: each.dtype for name, each in node.variables.items()
-            }
+            own, others = (
+                {n: v.dtype for n, v in each.variables.items()} for each in (read_tree(file)[node.path], node)
+            )
+            assert own == others
 
 
 def test_large_arrays_are_compressed_and_coordinates_have_no_fill_value(tmp_path):

@@ -326,6 +326,9 @@ def test_plasticity_without_overconsolidation_has_that_of_its_strength(tmp_path)
     assert layer["values"]["overconsolidation_ratio"]["best"] == [1.0, 1.0]
     remark = next(each for each in layer["remarks"] if "gamma_50" in each)
     assert "gamma_50 high, 0.0075, is below su/(2 G), 0.0101" in remark and "OCR 1 at 5.17 m" in remark
+    (tmp_path / "a.csv").write_text("top [m],bottom [m],Soil type,su [kPa],Ip [%]\n0,9,CLAY,200,30\n")
+    remarks = proposal(tmp_path / "a.csv")["layers"][0]["remarks"]
+    assert "no unit weight, so no OCR of su/s'_v0: a scene takes 1" in remarks
 
 
 def test_plasticity_beside_another_stiffness_of_a_table_is_not_written(tmp_path) -> None:
@@ -350,13 +353,6 @@ def test_factors_of_strength_take_the_place_of_the_strain_of_half_of_it(tmp_path
     first, second = read_layers(tmp_path / "site.csv")
     assert "strain_at_half_strength" not in first and not any("gamma_50" in each for each in layers[0]["remarks"])
     assert second["strain_at_half_strength"]["best"] == 0.015 and second["extension_factor"] == 0.7
-
-
-def test_plasticity_without_unit_weight_has_no_overconsolidation(tmp_path) -> None:
-    """The row had no OCR and no remark; a scene takes 1, which makes stiff clay too soft."""
-    (tmp_path / "a.csv").write_text("top [m],bottom [m],Soil type,su [kPa],Ip [%]\n0,9,CLAY,200,30\n")
-    (layer,) = proposal(tmp_path / "a.csv")["layers"]
-    assert "no unit weight, so no OCR of su/s'_v0: a scene takes 1" in layer["remarks"]
 
 
 def test_measured_stiffness_is_no_second_one_beside_that_of_a_table(tmp_path) -> None:

@@ -3,7 +3,6 @@
 
 import json
 import math
-import warnings
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,8 +14,8 @@ import xarray as xr
 
 from pysprings.core import version
 from pysprings.core.errors import UserInputError
-from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 from pysprings.core.storage import write_tree
+from pysprings.core.tables.load_cases import LoadCases, read_load_cases
 from pysprings.core.words import StopReason
 from pysprings.full_model.run_record import MeshFigures, RunRecord, Status
 from pysprings.scene.design_strength import StrengthFactors
@@ -133,44 +132,40 @@ def test_a_fall_within_the_error_of_the_mesh_is_no_peak(tmp_path: Path) -> None:
     assert (at_limit.criterion, at_limit.why, at_limit.mesh_error) == (Criterion.MOTION, "", 2.0)
 
 
-@pytest.mark.parametrize(("group", "kind"), [("paths", "u_m"), ("space", "u_x_m")])
-def test_what_a_probe_carries_by_water_that_would_cavitate_is_no_capacity(
-    group: str, kind: str, tmp_path: Path
-) -> None:
+def write_probe(folder: Path, u: np.ndarray, margin: np.ndarray, group: str = "paths") -> None:
+    """Write the path of a load that grows with u (n,) [m], and its margin to cavitation (n,) [Pa]."""
+    columns = points.PLANE if group == "paths" else points.SPACE
+    path = pd.DataFrame({name: curve(1e6 * u, u)[:, column] for name, column in columns.items()})
+    path.assign(converged=1).to_csv(folder / "load_displacement.csv")
+    data = {"cavitation_margin": ("step", margin), "converged": ("step", np.ones(u.size, dtype=np.int8))}
+    write_tree(xr.DataTree.from_dict({f"/{group}/probe": xr.Dataset(data)}), folder / "full_model.nc")
+
+
+WET = SCENE.replace(drainage={"mode": "undrained", "water_depth": 10.0})
+
+
+@pytest.mark.parametrize("group", ["paths", "space"])
+def test_what_a_probe_carries_by_water_that_would_cavitate_is_no_capacity(group: str, tmp_path: Path) -> None:
     """Of a load that grows to the limit of motion, with a margin that falls below 0 at a tenth of it."""
-    u, scene = np.linspace(0.0, 0.1 * D, 41), SCENE.replace(drainage={"mode": "undrained", "water_depth": 10.0})
-    states = curve(1e6 * u, u)
-    columns = points.PLANE if kind == "u_m" else points.SPACE
-    path = pd.DataFrame({name: states[:, column] for name, column in columns.items()})
-    path.assign(converged=1).to_csv(tmp_path / "load_displacement.csv")
+    u = np.linspace(0.0, 0.1 * D, 41)
     for first, size, criterion in ((10, 9, Criterion.NONE), (1, 1, Criterion.NONE), (41, 40, Criterion.MOTION)):
-        margin = np.where(np.arange(41) < first, 1e5, -1e5)
-        data = {"cavitation_margin": ("step", margin), "converged": ("step", np.ones(41, dtype=np.int8))}
-        probe = {f"/{group}/probe": xr.Dataset(data)}
-        xr.DataTree.from_dict(probe).to_netcdf(tmp_path / "full_model.nc", engine="netcdf4")
+        write_probe(tmp_path, u, np.where(np.arange(41) < first, 1e5, -1e5), group)
         ended = SimpleNamespace(reason=StopReason.DISPLACEMENT_LIMIT)
         record: Any = SimpleNamespace(failures=[], paths={"probe": ended}, error_estimate=None)
-        with warnings.catch_warnings(action="ignore"):  # the file has no checksum
-            point = points.point_of(tmp_path, record, scene, (0.0, 0.0))
+        point = points.point_of(tmp_path, record, WET, (0.0, 0.0))
         assert point is not None
         assert (point.criterion, point.H) == (criterion, pytest.approx(1e6 * u[size]))
-        assert ("water would cavitate" in point.why) is (criterion is Criterion.NONE)
+        assert (point.why == points.CAVITATES) is (criterion is Criterion.NONE)
 
 
 def test_a_probe_whose_water_would_cavitate_runs_once(tmp_path: Path) -> None:
-    """Steps change nothing there."""
-    scene, request = SCENE.replace(drainage={"mode": "undrained", "water_depth": 10.0}), plan.Request((1e6,))
-    probe = points.planned(plan.groups(scene, request), request)[0]
-    folder, u = tmp_path / "runs" / probe.name, np.linspace(0.0, 0.01 * D, 5)
+    """Smaller steps change nothing there."""
+    request = plan.Request((1e6,))
+    probe = points.planned(plan.groups(WET, request), request)[0]
+    folder = tmp_path / "runs" / probe.name
     folder.mkdir(parents=True)
-    states = curve(1e6 * u, u)
-    path = pd.DataFrame({name: states[:, column] for name, column in points.PLANE.items()})
-    path.assign(converged=1).to_csv(folder / "load_displacement.csv")
-    data = {"cavitation_margin": ("step", 1.0 - np.arange(5.0)), "converged": ("step", np.ones(5, dtype=np.int8))}
-    write_tree(xr.DataTree.from_dict({"/paths/probe": xr.Dataset(data)}), folder / "full_model.nc")
-    record = RunRecord(
-        Status.COMPLETE, scene_sha256=probe.scene.sha256, version=version.__version__, schema=RESULT, balance=None
-    )
+    write_probe(folder, np.linspace(0.0, 0.01 * D, 5), 1.0 - np.arange(5.0))
+    record = RunRecord(Status.COMPLETE, scene_sha256=probe.scene.sha256, version=version.__version__, schema=RESULT)
     (folder / "run.json").write_text(record.as_json(), encoding="utf-8")
     done = points.carry_out(probe, tmp_path, lambda *_: None)
     assert done.point is not None and done.point.why == points.CAVITATES
