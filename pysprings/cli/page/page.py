@@ -90,7 +90,8 @@ def _input(each: Field) -> Any:
     number, slider = f"{each.name}-number", f"{each.name}-slider"
     parts = [
         html.Label(f"{each.name}{unit}", htmlFor=number, title=each.tip),
-        dcc.Input(id=number, type="number", step="any", value=each.start, debounce=0.3),
+        # of type "number" it loses what is typed where that was typed before the slider moved
+        dcc.Input(id=number, type="text", value=each.start),
     ]
     if each.ends is not None:
         low, high = each.ends
@@ -168,8 +169,14 @@ class Page:
 
 
 def _number(value: Any) -> float | None:
-    """Return what an input holds; sliders give texts. None where it is blank."""
-    return None if value in (None, "") else float(value)
+    """Return what an input holds, with a decimal point or comma; None where it is blank, NaN where it is no number."""
+    if value is None or not str(value).strip():
+        return None
+    try:
+        read = float(str(value).replace(",", "."))
+    except ValueError:
+        return math.nan
+    return read if math.isfinite(read) else math.nan
 
 
 def _end(answer: answers.Answer, force: float | None) -> list[Any]:

@@ -91,6 +91,21 @@ def test_the_command_of_a_run_gives_the_same_answer(run_folder: Path, loads: dic
     same_as_the_command(Asker(source).answer(values), values, source)
 
 
+@pytest.mark.parametrize(
+    "typed, value", [("0,3", 0.3), (" 0.3 ", 0.3), (0.3, 0.3), ("", None), ("1.250,5", np.nan), ("inf", np.nan)]
+)
+def test_what_is_typed_is_a_number_or_refused(run_folder: Path, typed: object, value: float | None) -> None:
+    pytest.importorskip("dash")
+    from pysprings.cli.page.page import Page
+
+    page = Page(RunSource.of(run_folder))
+    values = page.values([typed, 8.0, None, None])
+    assert values["H"] == pytest.approx(value, nan_ok=True)
+    answer = page.asker.answer(values)
+    assert (answer.way is None) == (value != 0.3)
+    assert ("expected a quantity" in answer.refusal) == (value is not None and np.isnan(value))
+
+
 @pytest.mark.filterwarnings("ignore::pysprings.macro.predict.MacroWarning")
 @pytest.mark.parametrize("rate", [0.01, 0.1, 1.0])
 def test_springs_of_several_rates_have_an_input_of_the_rate(tmp_path: Path, rate: float) -> None:
@@ -430,6 +445,11 @@ def test_a_run_in_a_browser(browser: Any, run_folder: Path, tmp_path: Path) -> N
         page.focus("#H-slider")
         after(page, lambda: page.keyboard.press("ArrowRight"))  # a keyboard does
         assert shown_as_predicted(page)["H"] > first["H"]
+        for _ in range(3):  # what was typed before the slider moved, again
+            after(page, lambda: page.fill("#H-number", "0.2"))
+            assert shown_as_predicted(page)["H"] == pytest.approx(2e5)
+            page.focus("#H-slider")
+            after(page, lambda: page.keyboard.press("Home"))
         page.fill("#H-number", "900")
         page.wait_for_selector("#remarks .refused")
         assert "beyond the range" in page.inner_text("#remarks")
