@@ -186,7 +186,7 @@ def secant(model: MacroModel, u: float, rotation: float, V: float | None = None,
     if matrix.shape == (3, 3) and V is not None and model.vertical is not None:
         w0, V0 = model.vertical.rest
         if not same_load(V, V0):  # of one load both differences are rounding
-            matrix[1, 1] = (V - V0) / (model.vertical.displacement(V)[0] - w0)
+            matrix[1, 1] = (V - V0) / (model.vertical.displacement(V) - w0)
     return matrix
 
 

@@ -16,6 +16,7 @@ laterally, or where V = V'; what the second is worth away from V' is measured by
 with a `vertical_load` of their own.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,6 @@ from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import close_loads, same_load, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes
-from pysprings.macro.solver import spring_row
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import secant_slopes
@@ -75,28 +75,40 @@ class Branch:
         """Whether V has stopped growing at the end."""
         return bool(self.sign * self.last[-1] < FLAT * abs(self.slope[-1, 0]))
 
-    def at(self, x: float) -> tuple[Array, Array]:
-        """Return all reactions (rows,) and their slopes dr/dx at one x [m]; the last step goes on beyond the end."""
-        if x > self.x[-1]:
-            return self.r[:, -1] + self.last * (x - self.x[-1]), self.last
-        pairs = [spring_row(self.x, r, s, self.x.size, x) for r, s in zip(self.r, self.slope, strict=True)]
-        return np.array([r for r, _ in pairs]), np.array([s for _, s in pairs])
+    def at(self, x: Array, rows: Sequence[int] | slice = slice(None)) -> tuple[Array, Array]:
+        """Return reactions (rows, n) and their slopes dr/dx at x (n,) [m]; the last step goes on beyond the end."""
+        k = np.clip(np.searchsorted(self.x, x, "right") - 1, 0, self.x.size - 2)
+        h, d0, c2, c3 = _cubics(self.x, self.r[rows], self.slope[rows], k)
+        over, last = np.maximum(x - self.x[-1], 0.0), self.last[rows, None]
+        s = (np.minimum(x, self.x[-1]) - self.x[k]) / h
+        r = self.r[rows][:, k] + h * s * (d0 + s * (c2 + s * c3)) + last * over
+        return r, np.where(over > 0.0, last, d0 + s * (2.0 * c2 + 3.0 * s * c3))
 
-    def find(self, V: float) -> float | None:
-        """Return the first x [m] that carries V [N], along the last step beyond the end; None where none does."""
-        over = self.sign * (self.r[-1] - V)
-        reached = np.flatnonzero(over >= 0.0)
-        if not reached.size:
-            return None if self.is_flat else float(self.x[-1] + (V - self.r[-1, -1]) / self.last[-1])
-        k = int(reached[0])
-        if k == 0 or over[k] == 0.0:
-            return float(self.x[k])
-        low, high = self.x[k - 1], self.x[k]
+    def find(self, V: Array) -> Array:
+        """Return the first x (n,) [m] that carries each V [N], along the last step beyond the end; NaN: none does."""
+        most, V = np.maximum.accumulate(self.sign * self.r[-1]), self.sign * V
+        knot = np.searchsorted(most, V)  # the first that carries V
+        to = np.minimum(knot, self.x.size - 1)
+        k = np.maximum(to - 1, 0)
+        h, d0, c2, c3 = _cubics(self.x, self.sign * self.r[-1], self.sign * self.slope[-1], k)
+        low, high = np.zeros(V.size), np.ones(V.size)
         for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            value = spring_row(self.x, self.r[-1], self.slope[-1], self.x.size, middle)[0]
-            low, high = (low, middle) if self.sign * (value - V) >= 0.0 else (middle, high)
-        return float(0.5 * (low + high))
+            s = 0.5 * (low + high)
+            carried = self.sign * self.r[-1, k] + h * s * (d0 + s * (c2 + s * c3)) >= V
+            low, high = np.where(carried, low, s), np.where(carried, s, high)
+        x = np.where((knot == 0) | (most[to] == V), self.x[to], self.x[k] + 0.5 * (low + high) * h)
+        last = np.nan if self.is_flat else self.sign * self.last[-1]
+        return np.where(knot > to, self.x[-1] + (V - self.sign * self.r[-1, -1]) / last, x)
+
+
+def _cubics(x: Array, values: Array, slopes: Array, k: NDArray[np.intp]) -> tuple[Array, Array, Array, Array]:
+    """Return h, d0, c2, c3 of the pieces k of cubics through knots x: value + h s (d0 + s (c2 + s c3)), s from 0 to 1.
+
+    See `pysprings.macro.solver.spring_row`.
+    """
+    h = x[k + 1] - x[k]
+    step, d0, d1 = (values[..., k + 1] - values[..., k]) / h, slopes[..., k], slopes[..., k + 1]
+    return h, d0, 3.0 * step - 2.0 * d0 - d1, d0 + d1 - 2.0 * step
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,22 +139,30 @@ class VerticalTable:
         sign = 1.0 if change >= 0.0 else -1.0
         return next((each for each in self.branches if each.sign == sign), None)
 
-    def displacement(self, V: float) -> tuple[float, float, float]:
-        """Return w [m] under V [N], the tangent dV/dw [N/m] there, and the calibrated range used.
+    def sides(self, change: Array) -> Iterator[tuple[Branch, Marks]]:
+        """Yield the branches, each with which changes (n,) of w or V from rest are on its side."""
+        for branch in self.branches:
+            yield branch, (change >= 0.0) == (branch.sign > 0.0)
+
+    def displacements(self, V: Array) -> Array:
+        """Return w [m] under V (n,) [N], the tangent dV/dw [N/m] there, and the calibrated range used, (3, n).
 
         The range used is above 1 beyond the recorded displacement, inf in a direction that is not known (the answer is
         elastic then), NaN where no w carries V (w is that of the end of the curve then).
         """
         w0, V0 = self.rest
-        change = V - V0
-        branch = self.branch(change)
-        if branch is None:
-            return w0 + change / self.stiffness, self.stiffness, 0.0 if same_load(V, V0) else np.inf
-        x = branch.find(V)
-        if x is None:
-            return w0 + branch.sign * branch.x[-1], 0.0, np.nan
-        _, slopes = branch.at(x)
-        return w0 + branch.sign * x, branch.sign * float(slopes[-1]), x / float(branch.x[-1])
+        elastic = w0 + (V - V0) / self.stiffness
+        out = np.stack([elastic, np.full(V.size, self.stiffness), np.where(same_loads(V, V0), 0.0, np.inf)])
+        for branch, own in self.sides(V - V0):
+            x, end = branch.find(V[own]), branch.x[-1]
+            slope = branch.sign * branch.at(np.nan_to_num(x), [-1])[1][0]
+            w = w0 + branch.sign * np.nan_to_num(x, nan=end)
+            out[:, own] = np.stack([w, np.where(np.isnan(x), 0.0, slope), x / end])
+        return out
+
+    def displacement(self, V: float) -> float:
+        """Return w [m] under one V [N], see `displacements`."""
+        return float(self.displacements(np.array([V]))[0, 0])
 
     def lacking(self, w: float, V: float) -> float:
         """Return what w [m] of lateral springs at rest under V [N] lacks to that of these springs.
@@ -151,13 +171,7 @@ class VerticalTable:
         """
         if same_load(V, self.rest[1]) or self.branch(V - self.rest[1]) is None:
             return 0.0
-        return self.displacement(V)[0] - w
-
-    def displacements(self, V: Array) -> Array:
-        """Return what `displacement` does of each V (n,) [N], (3, n)."""
-        values, place = np.unique(V, return_inverse=True)
-        found = np.array([self.displacement(float(value)) for value in values]).reshape(-1, 3)
-        return found[place].T
+        return self.displacement(V) - w
 
     def history(self, V: Array) -> Array:
         """Return w [m], the tangent dV/dw [N/m] and the ranges used, (4, n), under V (n,) [N] one after the other.
@@ -182,21 +196,19 @@ class VerticalTable:
 
     def reactions(self, w: Array) -> Array:
         """Return all rows (rows, n) at vertical displacements w (n,) [m]; elastic, V alone, in an unknown direction."""
-        out = np.full((self.b.size, w.size), np.nan)
-        for i, value in enumerate(w):
-            change = float(value) - self.rest[0]
-            branch = self.branch(change)
-            if branch is None:
-                out[-1, i] = self.rest[1] + self.stiffness * change
-            else:
-                out[:, i] = branch.at(abs(change))[0]
+        out, change = np.full((self.b.size, w.size), np.nan), w - self.rest[0]
+        out[-1] = self.rest[1] + self.stiffness * change
+        for branch, own in self.sides(change):
+            out[:, own] = branch.at(np.abs(change[own]))[0]
         return out
 
-    def used(self, w: float) -> float:
-        """Return the calibrated range used at w [m]; inf in a direction that is not known."""
-        change = abs(w - self.rest[0])
-        branch = self.branch(w - self.rest[0])
-        return change / float(branch.x[-1]) if branch else np.inf if change else 0.0
+    def used(self, w: Array) -> Array:
+        """Return the calibrated range used at w (n,) [m]; inf in a direction that is not known."""
+        change = w - self.rest[0]
+        used = np.where(change == 0.0, 0.0, np.inf)
+        for branch, own in self.sides(change):
+            used[own] = np.abs(change[own]) / branch.x[-1]
+        return used
 
     def limits(self) -> str:
         """Return words for the V [N] that the known directions carry within their calibrated range."""

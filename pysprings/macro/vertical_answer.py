@@ -133,8 +133,9 @@ def _other_rate(model: MacroModel, V: Array, other: Marks | bool) -> dict[str, A
     """
     if model.rate is None or model.vertical is None:
         return {}
-    found = [model.vertical.branch(each - model.vertical.rest[1]) for each in V]
-    rates = np.array([(branch and branch.rate) or 0.0 for branch in found])
+    rates = np.zeros(V.size)
+    for branch, own in model.vertical.sides(V - model.vertical.rest[1]):
+        rates[own] = branch.rate or 0.0
     return {"off_rate": (off_rate(model.rate, rates, np.ones(V.size)) & other).astype(np.int8)}
 
 
@@ -150,7 +151,7 @@ def along_vertical(table: VerticalTable, path: SpringPath) -> xr.Dataset:
     w = path.w
     rows, nothing = table.reactions(w), np.zeros(w.size)
     values = {"u": nothing, "w": w, "rotation": nothing, "H": nothing, "V": rows[-1], "M": nothing}
-    used = np.array([table.used(float(value)) for value in w])
+    used = table.used(w)
     marks = {"converged": np.ones(w.size), "extrapolated": used > 1.0 + SLACK, "off_path": nothing, "off_load": nothing}
     marks |= {"turned_back": nothing, "beyond_end": nothing}
     values |= {"range_used": used} | {name: mark.astype(np.int8) for name, mark in marks.items()}

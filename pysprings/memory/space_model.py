@@ -212,7 +212,7 @@ class SpaceSprings:
             return (V - self.V) / self.K, past.astype(np.int8), sentences, ""
         w, _, used, own = self.vertical.history(V)
         past = np.nan_to_num(used, nan=np.inf) > 1.0 + RANGE_SLACK
-        change: Array = w - self.vertical.displacement(self.V)[0]
+        change: Array = w - self.vertical.displacement(self.V)
         return change, past.astype(np.int8), beyond_springs(self, V, own), no_equilibrium(self, V[np.isnan(own)])
 
     def range_used(self, turns: Array) -> Array:

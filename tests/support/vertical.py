@@ -64,7 +64,7 @@ def pressed(path: xr.Dataset, V: float) -> xr.Dataset:
     out["V"], out["V_lid"] = out["V"] + V - REST, out["V_lid"] + V - REST
     table = build_vertical(Springs.of(vertical_springs()))
     assert table is not None
-    out["w"] = out["w"] + table.displacement(V)[0]
+    out["w"] = out["w"] + table.displacement(V)
     return variables.attach(out, "springs_path")
 
 

@@ -25,8 +25,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator
-from scipy.optimize import brentq
 
 from pysprings.core.arrays import Array
 from pysprings.core.path_kinds import PATH_KINDS, direction_of_load, kind_of
@@ -103,6 +101,8 @@ def slice_curves(path: xr.Dataset, length: float, n: int) -> tuple[Array, Array]
     them it is a cubic spline, so that sums of p dz stay what they are and slices may end inside a ring. y is that of
     the middle of the slice.
     """
+    from scipy.interpolate import CubicSpline
+
     edges = np.linspace(0.0, length, n + 1)
     bounds = path["depth_bounds"].values
     forces = path["p"].transpose("depth", "step").values * np.diff(bounds, axis=1)
@@ -340,6 +340,8 @@ def _y_ends(curve: Curve) -> Array:
 
 def _between(x: Array, values: Array, at: Array) -> Array:
     """Return the monotone cubic through (x, values) at points within their range (rounding beyond it is cut)."""
+    from scipy.interpolate import PchipInterpolator
+
     return np.asarray(PchipInterpolator(x, values)(np.clip(at, x[0], x[-1])), dtype=float)
 
 
@@ -378,6 +380,8 @@ def cell_size(unknowns: float, harmonics: int | None = None) -> float:
 
 def order_from(ratio: float, h: Sequence[float]) -> float:
     """Return the order p of three cell sizes h (falling) whose differences have this ratio; NaN outside the range."""
+    from scipy.optimize import brentq
+
     h1, h2, h3 = (value / h[2] for value in h)
 
     def excess(p: float) -> float:

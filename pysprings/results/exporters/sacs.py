@@ -19,7 +19,6 @@ import numpy as np
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
 from pysprings.core.text import commented
-from pysprings.macro.solver import row_values
 from pysprings.results.exporters.base import VIRTUAL, ZONE, Exported, Options, Source, Target
 from pysprings.results.exporters.header import header, springs_at
 from pysprings.results.exporters.uniaxial_curve import Spring, Table, table
@@ -198,10 +197,7 @@ def _vertical(made: Uniaxial) -> tuple[list[Spring], list[Spring]]:
             out = np.zeros(x.size)
             for branch in filter(None, (down, up)):
                 own = branch.sign * x > 0.0
-                count = np.full(len(rows), branch.x.size)
-                knots = np.tile(branch.x, (len(rows), 1))
-                q = np.tile(np.minimum(np.abs(x[own]), branch.x[-1]), (len(rows), 1))
-                values = row_values(knots, branch.r[rows], branch.slope[rows], count, q) - branch.r[rows][:, :1]
+                values = branch.at(np.minimum(np.abs(x[own]), branch.x[-1]), rows)[0] - branch.r[rows, :1]
                 out[own] = values.sum(axis=0)
             return out
 

@@ -26,7 +26,6 @@ from pysprings.macro.curve_table import Row, SpringTable, leading, stack
 from pysprings.macro.fan import FanTable
 from pysprings.macro.model import MacroModel
 from pysprings.macro.solver import row_values
-from pysprings.macro.vertical import Branch
 from pysprings.results.exporters import uniaxial_curve
 from pysprings.results.exporters.base import RINGS, VIRTUAL, ZONE, Options, Source
 from pysprings.results.exporters.header import header, springs_at, torsion_words
@@ -268,19 +267,11 @@ def _vertical(model: MacroModel) -> Iterator[Spring]:
         for branch in (down, up):
             if branch is not None:
                 own = branch.sign * values > 0.0
-                values[own] = _change(branch, np.abs(np.atleast_1d(x)[own]))
+                values[own] = branch.at(np.abs(np.atleast_1d(x)[own]), [-1])[0][0] - branch.r[-1, 0]
         return values
 
     low, high = -(up.end[0] if up else reach), down.end[0] if down else reach
     yield Spring("V", "vertical", 0.0, 0.0, low, high, force)
-
-
-def _change(branch: Branch, x: Array) -> Array:
-    """Return the change of V [N] at changes x (n,) >= 0 of w [m] along a branch, beyond its end along the last step."""
-    last, k = branch.r[-1], np.array([branch.x.size])
-    chord = (last[-1] - last[-2]) / (branch.x[-1] - branch.x[-2])
-    inside = row_values(branch.x[None], last[None], branch.slope[-1:], k, np.minimum(x, branch.x[-1])[None])[0]
-    return inside + chord * np.maximum(x - branch.x[-1], 0.0) - last[0]
 
 
 # --- tables, and what they cost ---

@@ -327,7 +327,7 @@ def vertical_of(model: MacroModel, u: float, rotation: float, V: float) -> float
     assert model.vertical is not None
     rows = model.table.rows(np.array([[u, rotation]]))
     w, V_path = (float(rows[model.table.name == name][0, 0]) for name in ("w", "V"))
-    return w + model.vertical.displacement(V)[0] - model.vertical.displacement(V_path)[0]
+    return w + model.vertical.displacement(V) - model.vertical.displacement(V_path)
 
 
 @pytest.mark.slow

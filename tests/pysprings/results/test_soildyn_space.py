@@ -74,8 +74,8 @@ def vertical_load(model: MacroModel, d: np.ndarray) -> float:
 def carried(model: MacroModel, d: np.ndarray, w: float, V: float) -> float:
     """V of the vertical springs at a motion (6,), where the lateral ones have moved by w and carry V."""
     assert model.vertical is not None
-    change = -d[2] - w + model.vertical.displacement(V)[0]
-    return float(brentq(lambda load: model.vertical.displacement(load)[0] - change, -3e6, 1e8, xtol=1e-4))
+    change = -d[2] - w + model.vertical.displacement(V)
+    return float(brentq(lambda load: model.vertical.displacement(load) - change, -3e6, 1e8, xtol=1e-4))
 
 
 def test_a_random_walk_in_six_motions_is_that_of_python(point_on: PointOn) -> None:

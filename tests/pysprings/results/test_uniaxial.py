@@ -57,7 +57,7 @@ def expected(made: Uniaxial) -> np.ndarray:
         answer = predict_quietly(made.model, H, arm)
         vertical = made.model.vertical
         assert vertical is not None
-        rows.append([*answer, vertical.displacement(made.model.rest_load + V)[0] - vertical.rest[0]])
+        rows.append([*answer, vertical.displacement(made.model.rest_load + V) - vertical.rest[0]])
     return np.array(rows)
 
 
