@@ -14,13 +14,14 @@ from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, in_plane
 from pysprings.core.words import NOT_KNOWN
 from pysprings.macro.answer import Way, answer_dataset
-from pysprings.macro.capacity import FULL_LIMIT, capacities, with_bound
+from pysprings.macro.capacity import FULL_LIMIT, Capacities, capacities, with_bound
 from pysprings.macro.directions import off_plane, with_components
 from pysprings.macro.fan_springs import DEVIATIONS
 from pysprings.macro.model import AnySprings, MacroModel, typed
 from pysprings.macro.predict import SpringChoice, loads_of, model_of
 from pysprings.macro.space import SpaceAnswers, answers_in_space
 from pysprings.macro.stiffness import torsion_of
+from pysprings.macro.vertical import covered
 from pysprings.macro.vertical_answer import vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
@@ -75,8 +76,8 @@ def predict_batch(
 
     `utilisation_V` is V over the largest known vertical load of its sign, where the springs have vertical paths.
     `utilisation` is the load over the largest known one in its direction, `capacity_H` [N], `capacity_M` [N m]; it is a
-    capacity, or only the end of what is known (`capacity_kind`, `capacity_from`). `stiffness` (case, dof,
-    dof_conjugate) is the tangent.
+    capacity, or only the end of what is known (`capacity_kind`, `capacity_from`), and NaN in a case without an answer
+    whose V the lateral springs do not cover. `stiffness` (case, dof, dof_conjugate) is the tangent.
     """
     asked = {"H": H, "arm": arm, "M": M, "V": V, "H_x": H_x, "H_y": H_y, "M_x": M_x, "M_y": M_y, "T": T}
     check_arrays(**asked)
@@ -255,6 +256,9 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     states, loads, reached = model.response.solve_cases(targets)
     answer = answer_dataset(model, Way(states, loads, "load", V))
     reached = reached & answer["converged"].values  # that is of V
+    held = V is None and not model.origin.free_to_heave  # V follows from the motion
+    if V is None and "V" in answer and not held:  # not what the springs hold it to, or extrapolate
+        answer = answer.assign(V=xr.full_like(answer["V"], model.origin.load))
     down = answer["V"].values if "V" in answer else None
     largest = capacities(model, targets, down)
     answer = with_bound(model, answer, targets, largest.utilisation)
@@ -266,12 +270,14 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     for marks, text in ((past, PAST), (over & sideways, SIDEWAYS), (over, beyond), (reached == 0, LOST)):
         why[marks & (why == "")] = text
     answered = why == ""
+    if V is not None:
+        _forget(largest, ~answered & ~covered(model.vertical, V, np.full(len(V), model.origin.load)))
     values = {
         str(name): (("case", *each.dims[1:]), each.values, each.attrs)
         for name, each in answer.variables.items()
         if each.dims[:1] == ("step",) and name not in ("step", "y")
     }
-    for name in _MOTIONS:
+    for name in (*_MOTIONS, *["V"] * held):
         if name in values:
             dims, motion, attrs = values[name]
             values[name] = dims, np.where(answered.reshape(-1, *[1] * (motion.ndim - 1)), motion, np.nan), attrs
@@ -284,6 +290,14 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     by_case |= {} if down is None or model.vertical is None else vertical_use(model, down)
     values |= {name: (("case",), each, _UNITS.get(name, {})) for name, each in by_case.items()}
     return _Part(values, {name: answer.coords[name].variable for name in ("dof", "dof_conjugate")}, answer.attrs)
+
+
+def _forget(largest: Capacities, lost: Marks) -> None:
+    """Leave blank the largest loads of cases (n,) without an answer whose V is not that of the springs."""
+    for values in (largest.H, largest.M, largest.utilisation):
+        values[lost] = np.nan
+    loaded = lost & (largest.kind != "")
+    largest.kind[loaded], largest.source[loaded] = NOT_KNOWN, "no answer at this V"
 
 
 _UNITS = {

@@ -83,10 +83,9 @@ def answer_cases(
     loads = InPlane(cases.H, cases.M, cases.across, cases.direction)
     answers = answer_from_all_sides(springs, loads, cases.torsion, cases.V, extrapolate, **choice)
     space = np.nan_to_num(_values(answers, "in_space", len(cases))) == 1.0
-    here = np.where(answers["answered"].values == 1, _values(answers, "V", len(cases)), np.nan)
     frame = pd.DataFrame({
         "name": cases.name, "limit_state": cases.limit_state, "direction_deg": np.degrees(cases.direction),
-        "H_N": cases.H, "M_Nm": cases.M, "V_N": np.where(np.isnan(cases.V), here, cases.V),
+        "H_N": cases.H, "M_Nm": cases.M, "V_N": np.where(np.isnan(cases.V), _values(answers, "V", len(cases)), cases.V),
     })  # fmt: skip
     for name, column in (("u", "u_m"), ("w", "w_m"), ("rotation", "rotation_rad")):
         frame[column] = _values(answers, name, len(cases))

@@ -145,9 +145,22 @@ def test_what_is_beyond_the_springs_has_no_motion(springs, cases: Path) -> None:
     motions = [name for name in table if name.startswith(("u_m", "w_m", "rotation", "tilt", "secant", "tangent"))]
     assert len(motions) >= 10
     assert huge[motions].isna().all()
-    assert np.isnan(huge["V_N"])
-    assert huge["utilisation"] > 1.0
+    assert huge["V_N"] == table["V_N"]["calm"] == REST and huge["utilisation"] > 1.0
     assert huge["H_capacity_N"] == pytest.approx(1e9 / huge["utilisation"])
+
+
+def test_a_case_without_an_answer_at_another_v_has_no_utilisation(tmp_path: Path) -> None:
+    """Springs of 2 MN without vertical paths, and with one downwards: a pull had the utilisation at 2 MN."""
+    file = tmp_path / "cases.csv"
+    file.write_text("name,H [kN],arm [m],V [MN]\nown,100,2,2\npull,100,2,-1\nboth,1e5,2,3\nover,1e5,2,2\n")
+    for tree, own in ((fan_springs(potential), 0), (vertical_springs(ends=(1e-2,)), 1)):
+        table = answer_cases(tree, read_load_cases(file)).set_index("name")
+        assert table["answered"].tolist() == [1, 0, 0, 0] and list(table["verdict"][1:3]) == ["no answer"] * 2
+        blank = table[["utilisation", "H_capacity_N", "M_capacity_Nm"]].isna()
+        assert blank.all(axis=1).tolist() == blank.any(axis=1).tolist() == [False, True, True, False]
+        assert (
+            list(table["capacity_kind"][1:3]) == ["not known"] * 2 and np.isfinite(table["utilisation_V"]["own"]) == own
+        )
 
 
 def test_a_case_between_and_beyond_the_vertical_loads_of_the_springs_is_marked_with_a_bound(tmp_path: Path) -> None:
