@@ -153,6 +153,7 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     _check_columns(table, soil)
     values = {name: table.numbers(name, most=False) for name in table.columns if name not in WORDS}
     ends = row_ends(table, values)
+    _check_units(table, values, ends)
     layers = [_layer(table, values, k) for k in range(len(table))]
     for layer, text in zip(layers, table.texts(REMARK) if "top" in table else (), strict=False):
         layer |= {REMARK: text[:MOST_WORDS]} if text else {}
@@ -300,6 +301,25 @@ def row_ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
     return ends[:, 0], ends[:, 1]
 
 
+def _check_units(table: Table, values: Mapping[str, Array], ends: tuple[Array, Array]) -> None:
+    """Note depths and moduli whose unit is wrong: no ground ends there, none yields at a strain of 1."""
+    name = next((each for each in ("bottom", "top") if each in table), "depth")
+    depths = np.nan_to_num(ends[1] if name == "bottom" else ends[0])
+    for k in np.flatnonzero(depths > DEEPEST).tolist():
+        table.fault(k, name, f"{show(float(depths[k]), 'm')} below mudline: is the unit of the depths right?")
+    if 0.0 < depths.max() < SHALLOWEST:
+        end = f"the table ends {show(float(depths.max()), 'm')} below mudline"
+        table.fault(int(depths.argmax()), name, f"{end}: is the unit of the depths right?")
+    for stiff, column in values.items():
+        key, estimate, end = _parts(stiff)
+        stem = f"undrained_shear_strength {estimate}".rstrip()
+        strong = [each for each in (f"{stem} {end}".rstrip(), stem, f"{stem} from") if each in values]
+        su = values[strong[0]] if strong and key in _STIFF[:2] else np.full(len(table), np.nan)
+        for k in np.flatnonzero(column < su).tolist():
+            stiffness, strength = show(float(column[k]), "kPa"), show(float(su[k]), "kPa")
+            table.fault(k, stiff, f"{stiffness} is below su, {strength}: is its unit right?")
+
+
 def _layer(table: Table, values: dict[str, Array], k: int) -> dict[str, Any]:
     """Return the values of a row, without its depths."""
     layer: dict[str, Any] = {each: text for each in ("name", "law") if (text := table.texts(each)[k])}
@@ -408,6 +428,7 @@ def check_joints(table: Table, tops: Array, bottoms: Array) -> None:
             table.fault(k, "bottom", text)
 
 
+DEEPEST, SHALLOWEST = 1.0e3, 0.1  # m, ends of tables of ground
 SAME = 1.0e-6  # m: depths closer than that are the same
 _STRAIGHT = 1.0e-9  # share of a value by which a point may be off the straight line through its neighbours
 

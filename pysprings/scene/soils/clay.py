@@ -176,7 +176,8 @@ class Tresca(SoilLaw):
         shear = soil.young_modulus / (2.0 * (1.0 + soil.poisson_ratio))
         if half is not None and shear > 0.0 and half < (least := 0.5 * strength / shear) * (1.0 - _ROUNDING):
             names = ("strain_at_half_strength", "rigidity_ratio", "undrained_shear_strength")
-            text = f"{half:g} must be at least su/(2 G), {least:.3g}: the soil is elastic below"
+            of = f"{least:.3g} of su {_rounded(strength)} and G {_rounded(shear)}"
+            text = f"{half:g} must be at least su/(2 G), {of}: the soil is elastic below"
             yield Clash(tuple(("soil", name) for name in names), text)
         yield from self._initial(soil, stresses)
 

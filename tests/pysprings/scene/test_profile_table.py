@@ -87,12 +87,28 @@ def test_an_excel_workbook_is_the_same(tmp_path):
         ("van-eekelen", "mohr", r'site.csv:3: law: "mohr" is not one of'),
         ("Depth from [m]", "Deep [m]", r"no column .Depth from"),
         ("0,2,Loose", "-1,2,Loose", r"site.csv:2: Depth from \[m\]: .* is not in \[0, 1e4\] m"),
+        ("2,12,Dense", "2,12000,Dense", r"site.csv:3: Depth to \[m\]: 12000 m below mudline: is the unit of"),
     ],
 )  # fmt: skip
 def test_wrong_tables_are_refused_with_file_and_line(tmp_path, old, new, message):
     assert old in SITE
     found = [str(problem) for problem in tiny.problems(load_scene, write(tmp_path, SITE.replace(old, new, 1)))]
     assert any(re.search(message, each) for each in found), found
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("top [mm],bottom [mm],phi [deg]\n0,5,30\n5,40,32\n", ":3: bottom [mm]: the table ends 0.04 m below mudline:"),
+        ("depth [mm],phi [deg]\n0,30\n40,32\n", ":3: depth [mm]: the table ends 0.04 m below mudline: is the unit of"),
+        ("top [m],su [kPa],G [Pa]\n0,20,6000\n", ":2: G [Pa]: 6 kPa is below su, 20 kPa: is its unit right?"),
+        ("top [m],su from [kPa],su to [kPa],E to [kPa],E from [MPa]\n0,20,30,25,9\n", ":2: E to [kPa]: 25 kPa is"),
+        ("top [m],su [kPa],G [kPa],eps50,gamma' [kN/m3]\n0,20,100,0.01,8\n", "0.1 of su 20 kPa and G 100 kPa:"),
+    ],
+)  # fmt: skip
+def test_units_that_no_ground_has_are_named_at_their_cell(tmp_path, table, message):
+    found = tiny.problems(load_scene, write(tmp_path, table))
+    assert any(message in str(problem) for problem in found), found
 
 
 @pytest.mark.parametrize(
