@@ -261,10 +261,11 @@ class Preconditioner:
         """
         if self._row is not None:
             load = load * self._row
-        x = self._applied(load)
         if not self.single:
-            return x
-        left = load - self._matrix @ x
+            return self._applied(load)
+        with np.errstate(over="ignore", invalid="ignore"):  # forces of an iterate that diverges
+            x = self._applied(load)
+            left = load - self._matrix @ x
         if np.linalg.norm(left) <= _SINGLE * np.linalg.norm(load):
             return x + self._applied(left)
         self._factorise(False)
