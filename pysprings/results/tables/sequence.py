@@ -10,22 +10,24 @@ import numpy as np
 from pysprings.core.arguments import too_early
 from pysprings.core.arrays import Array
 from pysprings.core.tables import Column, Table, one_table
+from pysprings.core.units import quoted
 from pysprings.macro.ways import Control
 from pysprings.springs.path import SPACE_LOADS, SPACE_TURNS
 
 _UNITS = {"u": "m", "r": "rad", "H": "N", "M": "Nm", "T": "Nm"}
 _TURNS, _PUSHES = (tuple(f"{name}_{_UNITS[name[0]]}" for name in names) for names in (SPACE_TURNS, SPACE_LOADS))
+_OTHERS = (("fx", "f x", "hx"), ("fy", "f y", "hy"), ("mx",), ("my",), ("mz", "m z", "torsion"))  # of load cases
 COLUMNS = tuple(
     Column.named(name, others)
     for name, others in {
         "H_N": ("horizontal",), "M_Nm": ("moment",), "V_N": ("vertical",), "u_m": (), "rotation_rad": (),
         "arm_m": ("height", "lever arm"), "time_s": ("t",), "w_m": (),
-        **{name: () for name in (*_TURNS, *_PUSHES)},
+        **{name: () for name in _TURNS}, **dict(zip(_PUSHES, _OTHERS, strict=True)), "Fz_N": ("f z",),
     }.items()
 )  # fmt: skip
 FORMS = "H_N with M_Nm or arm_m; u_m and rotation_rad; or one of u_m and rotation_rad with arm_m; V_N, time_s with any"
-_BESIDE = ("V_N", "time_s", "arm_m", "w_m")  # of loads and motions
-SPACE_FORMS = f"some of {', '.join(_PUSHES)}, or some of {', '.join(_TURNS)}; V_N, time_s with either"
+_BESIDE = ("V_N", "Fz_N", "time_s", "arm_m", "w_m")  # of loads and motions
+SPACE_FORMS = f"some of {', '.join(_PUSHES)}, or some of {', '.join(_TURNS)}; V_N (or Fz = -V), time_s with either"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,8 @@ def read_sequence(path: str | os.PathLike[str]) -> Sequence:
     for k in np.flatnonzero(columns.get("w_m", np.zeros(0))):
         table.fault(int(k), "w_m", "w follows from the vertical load: leave the column out, or 0")
     table.faults.stop()
+    if "Fz_N" in columns:
+        columns["V_N"] = -columns.pop("Fz_N")
     return _built(columns)
 
 
@@ -100,6 +104,9 @@ def _check_columns(table: Table) -> None:
     if table.faults.problems:
         return
     there = set(table.columns)
+    if {"V_N", "Fz_N"} <= there:
+        table.fault(None, "Fz_N", f"gives what {quoted(table.key('V_N'))} gives, too: keep one of them")
+    there = {"V_N" if name == "Fz_N" else name for name in there}
     turns, pushes = there & set(_TURNS), there & set(_PUSHES)
     if turns or pushes:
         if others := sorted(there - {*_TURNS, *_PUSHES, "V_N", "time_s", "w_m"}):

@@ -474,6 +474,7 @@ def test_a_sequence_in_six_columns_is_answered_by_the_command(tmp_path) -> None:
         ("u_x_m,w_m\n1,2\n", "w_m: w follows from the vertical load"),
         ("H_N,w_m\n1,0\n", "w_m: one column too many"),
         ("H_x_N,M_x_Nm\n1,\n", "M_x_Nm: blank"),
+        ("Fx_N,Fz_N,V_N\n1,-2,2\n", "Fz_N: gives what .V_N. gives, too"),
     ],
 )
 def test_columns_that_do_not_go_together_are_refused(tmp_path, lines, words) -> None:
@@ -484,6 +485,13 @@ def test_columns_that_do_not_go_together_are_refused(tmp_path, lines, words) -> 
     read = read_sequence(tmp_path / "t.csv")
     assert read.in_space and read.control == "state" and read.V.tolist() == [5e3, 5e3]
     np.testing.assert_allclose(read.targets, [[0, 1e-3, 0, 0, 2e-3], [0, 2e-3, 0, 0, 2e-3]])
+
+
+def test_a_sequence_has_the_columns_of_load_cases(tmp_path) -> None:
+    (tmp_path / "s.csv").write_text("Fx [kN],Fy [kN],Fz [kN],Mx [kNm],My [kNm],Mz [kNm]\n1,2,-6,3,4,5\n-1,0,-7,0,0,0\n")
+    read = read_sequence(tmp_path / "s.csv")
+    assert read.in_space and read.control == "load" and read.V.tolist() == [6e3, 7e3]
+    np.testing.assert_allclose(read.targets, [[1e3, 2e3, 3e3, 4e3, 5e3], [-1e3, 0, 0, 0, 0]])
 
 
 def test_rows_in_one_plane_have_the_difference_from_its_springs() -> None:
