@@ -81,6 +81,8 @@ def vertical_answer(
         return Down()
     response = model.response
     w = w + response.settled(model.vertical, imposed, model.settled)
+    if imposed is None or not response.follows(imposed):
+        V = _held(model, V)
     if imposed is None:
         return Down({**_other_rate(model, V, False), "w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
@@ -118,6 +120,18 @@ def vertical_answer(
         no_equilibrium(model, down[np.isnan(alone)]),
         _unloaded(model.vertical, (down < own) & other, down),
     )
+
+
+def _held(model: MacroModel, V: Array) -> Array:
+    """Return V (n,) [N] of lateral springs as near to that at rest as on their paths, where it is given there.
+
+    Beyond the calibrated range what the solver leaves of it would go on with its last slope.
+    """
+    if not all(path.free_to_heave for path in model.behind):
+        return V
+    off = max((float(np.abs(path["V"] - path.load).max()) for path in model.behind), default=np.inf)
+    rest = model.response.rest[1]
+    return np.clip(V, rest - off, rest + off)
 
 
 def _unloaded(table: VerticalTable, less: Marks, V: Array) -> list[str]:

@@ -624,6 +624,20 @@ def test_the_tolerance_of_v_along_a_path_is_no_other_vertical_load():
         assert not way_to_motion(tree, u=2e-3, rotation=0.0, V=V)["off_load"].values.any()
 
 
+def test_beyond_the_range_v_of_the_springs_is_still_their_load():
+    """V of the last state is 0.4 % off: ten times as far along it was 45 % off, and the V of the springs was marked."""
+    tree = vertical_springs()
+    path = tree["paths/slide"].to_dataset(inherit=False)
+    left = xr.DataArray(
+        np.where(np.arange(path.sizes["step"]) == path.sizes["step"] - 1, -4e-3 * REST, 0.0), dims="step"
+    )
+    tree["paths/slide"].dataset = path.assign(V=path["V"] + left, V_lid=path["V_lid"] + left)
+    for V in (None, REST):
+        with pytest.warns(MacroWarning, match="beyond the range"):
+            state = impose(tree, u=0.1, rotation=0.0, V=V, extrapolate=True)
+        assert abs(float(state["V"]) - REST) <= 4.001e-3 * REST and not state["off_load"]
+
+
 def test_the_share_of_loads_that_is_left_is_that_of_the_chord_to_the_end():
     """By hand: 1 at the V of the springs and within its tolerance, however near the end; else (V - V_e)/(V_s - V_e)."""
     table = build_vertical(Springs.of(vertical_springs()))
