@@ -180,10 +180,10 @@ def _number(value: Any) -> float | None:
 
 
 def _end(answer: answers.Answer, force: float | None) -> list[Any]:
-    """Return the end of the slider of H [MN], the largest known load or H where that is more, and its step."""
+    """Return the end of the slider of H [MN], just below the largest known load, or H where that is more; its step."""
     known = 0.0 if answer.largest is None else 1e-6 * abs(float(answer.largest.H[0]))
-    end = float(f"{max(known if math.isfinite(known) else 0.0, force or 0.0):.2g}") or 1.0
-    end = max(end, force or 0.0)  # rounded
+    end = float(f"{0.99 * known if math.isfinite(known) else 0.0:.3g}") or 1.0  # rounded, within what is known
+    end = max(end, force or 0.0)
     return [end, Field("H", "", "", None, (0.0, end)).step]
 
 

@@ -450,6 +450,8 @@ def test_a_run_in_a_browser(browser: Any, run_folder: Path, tmp_path: Path) -> N
             assert shown_as_predicted(page)["H"] == pytest.approx(2e5)
             page.focus("#H-slider")
             after(page, lambda: page.keyboard.press("Home"))
+        after(page, lambda: page.keyboard.press("End"))
+        assert 0.98 < shown_as_predicted(page)["utilisation"] < 1.0
         page.fill("#H-number", "900")
         page.wait_for_selector("#remarks .refused")
         assert "beyond the range" in page.inner_text("#remarks")
