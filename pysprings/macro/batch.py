@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pysprings.core.arguments import check_arrays, check_shapes
-from pysprings.core.arrays import Array, Integers, Marks
+from pysprings.core.arrays import Array, Integers, Marks, Texts
 from pysprings.core.errors import refused
 from pysprings.core.loads import InPlane, in_plane
 from pysprings.core.words import NOT_KNOWN
@@ -265,10 +265,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     limit = (largest.kind == FULL_LIMIT) & (largest.utilisation > 1.0 + RANGE_SLACK)
     past = (answer["beyond_end"].values == 1) | limit
     over = (answer["extrapolated"].values == 1) & (not extrapolate)
-    sideways = answer["range_used"].values > 1.0 + RANGE_SLACK
-    why, beyond = np.full(len(targets), "", dtype=object), ELASTIC if model.vertical is None else DOWN
-    for marks, text in ((past, PAST), (over & sideways, SIDEWAYS), (over, beyond), (reached == 0, LOST)):
-        why[marks & (why == "")] = text
+    why = _why_not(model, past, over, answer["range_used"].values > 1.0 + RANGE_SLACK, reached == 0)
     answered = why == ""
     if V is not None:
         _forget(largest, ~answered & ~covered(model.vertical, V, np.full(len(V), model.origin.load)))
@@ -290,6 +287,14 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     by_case |= {} if down is None or model.vertical is None else vertical_use(model, down)
     values |= {name: (("case",), each, _UNITS.get(name, {})) for name, each in by_case.items()}
     return _Part(values, {name: answer.coords[name].variable for name in ("dof", "dof_conjugate")}, answer.attrs)
+
+
+def _why_not(model: MacroModel, past: Marks, over: Marks, sideways: Marks, lost: Marks) -> Texts:
+    """Return the first reason that leaves each case (n,) without an answer; blank where it has one."""
+    why, beyond = np.full(len(past), "", dtype=object), ELASTIC if model.vertical is None else DOWN
+    for marks, text in ((past, PAST), (over & sideways, SIDEWAYS), (over, beyond), (lost, LOST)):
+        why[marks & (why == "")] = text
+    return why
 
 
 def _forget(largest: Capacities, lost: Marks) -> None:

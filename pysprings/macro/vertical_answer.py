@@ -81,8 +81,7 @@ def vertical_answer(
         return Down()
     response = model.response
     w = w + response.settled(model.vertical, imposed, model.settled)
-    if imposed is None or not response.follows(imposed):
-        V = _held(model, V)
+    V = V if imposed is not None and response.follows(imposed) else _held(model, V)
     if imposed is None:
         return Down({**_other_rate(model, V, False), "w": w, "V": V, "off_load": np.zeros(w.size, dtype=np.int8)})
     down = np.full_like(V, imposed)
