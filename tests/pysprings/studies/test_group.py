@@ -92,6 +92,13 @@ def test_a_torsion_is_carried_across_the_arms(elastic, tmp_path) -> None:
     assert turning.sum() == pytest.approx(3200e3, rel=1e-9)
 
 
+def test_places_in_cm_leave_no_moment_across(elastic, tmp_path) -> None:
+    """The arm of B is square to H: its share of the torsion acts along H."""
+    cases = cases_of(tmp_path, f"a,400,4000,{4e-3 * rest_load(elastic)},30,1600")
+    across = np.nan_to_num(answer_group(elastic, cases, TRIANGLE)["across_Nm"].to_numpy())
+    assert across[1] == 0.0 and (np.abs(across[[0, 2]]) > 1e3).all()
+
+
 def test_six_components_of_the_load_are_carried(tmp_path) -> None:
     """About the origin, whose centroid the caissons do not have: with a blank V, that of the springs at each."""
     springs, off = vertical_springs(heavier=(4e6,)), Group(TRIANGLE.name, TRIANGLE.at + [0.5, -0.3])
