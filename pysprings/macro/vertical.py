@@ -26,6 +26,7 @@ from pysprings.core.arrays import Array, Marks
 from pysprings.core.loads import close_loads, same_load, same_loads
 from pysprings.core.text import with_prefix
 from pysprings.macro.fan import initial_slopes
+from pysprings.macro.solver import row_values, spring_row
 from pysprings.springs.path import SpringPath
 from pysprings.springs.springs import Springs
 from pysprings.springs.sums import secant_slopes
@@ -75,40 +76,32 @@ class Branch:
         """Whether V has stopped growing at the end."""
         return bool(self.sign * self.last[-1] < FLAT * abs(self.slope[-1, 0]))
 
-    def at(self, x: Array, rows: Sequence[int] | slice = slice(None)) -> tuple[Array, Array]:
-        """Return reactions (rows, n) and their slopes dr/dx at x (n,) [m]; the last step goes on beyond the end."""
-        k = np.clip(np.searchsorted(self.x, x, "right") - 1, 0, self.x.size - 2)
-        h, d0, c2, c3 = _cubics(self.x, self.r[rows], self.slope[rows], k)
-        over, last = np.maximum(x - self.x[-1], 0.0), self.last[rows, None]
-        s = (np.minimum(x, self.x[-1]) - self.x[k]) / h
-        r = self.r[rows][:, k] + h * s * (d0 + s * (c2 + s * c3)) + last * over
-        return r, np.where(over > 0.0, last, d0 + s * (2.0 * c2 + 3.0 * s * c3))
+    def at(self, x: Array, rows: Sequence[int] | slice = slice(None)) -> Array:
+        """Return reactions (rows, n) at x (n,) [m]; the last step goes on beyond the end."""
+        r, inside = self.r[rows], np.minimum(x, self.x[-1])
+        knots, q = (np.tile(each, (len(r), 1)) for each in (self.x, inside))
+        found: Array = row_values(knots, r, self.slope[rows], np.full(len(r), self.x.size), q)
+        return found + self.last[rows, None] * (x - inside)
+
+    def tangent(self, x: Array) -> Array:
+        """Return dV/dx (n,) [N/m] at x (n,) [m]."""
+        curve, end = (self.x, self.r[-1], self.slope[-1], self.x.size), self.x[-1]
+        return np.array([self.last[-1] if each > end else spring_row(*curve, each)[1] for each in x])
 
     def find(self, V: Array) -> Array:
         """Return the first x (n,) [m] that carries each V [N], along the last step beyond the end; NaN: none does."""
         most, V = np.maximum.accumulate(self.sign * self.r[-1]), self.sign * V
         knot = np.searchsorted(most, V)  # the first that carries V
         to = np.minimum(knot, self.x.size - 1)
-        k = np.maximum(to - 1, 0)
-        h, d0, c2, c3 = _cubics(self.x, self.sign * self.r[-1], self.sign * self.slope[-1], k)
-        low, high = np.zeros(V.size), np.ones(V.size)
+        low, high = self.x[np.maximum(to - 1, 0)], self.x[to]
+        curve = self.x[None], self.r[-1:], self.slope[-1:], np.array([self.x.size])
         for _ in range(BISECTIONS):
-            s = 0.5 * (low + high)
-            carried = self.sign * self.r[-1, k] + h * s * (d0 + s * (c2 + s * c3)) >= V
-            low, high = np.where(carried, low, s), np.where(carried, s, high)
-        x = np.where((knot == 0) | (most[to] == V), self.x[to], self.x[k] + 0.5 * (low + high) * h)
+            middle = 0.5 * (low + high)
+            carried = self.sign * row_values(*curve, middle[None])[0] >= V
+            low, high = np.where(carried, low, middle), np.where(carried, middle, high)
+        x = np.where(most[to] == V, self.x[to], 0.5 * (low + high))
         last = np.nan if self.is_flat else self.sign * self.last[-1]
         return np.where(knot > to, self.x[-1] + (V - self.sign * self.r[-1, -1]) / last, x)
-
-
-def _cubics(x: Array, values: Array, slopes: Array, k: NDArray[np.intp]) -> tuple[Array, Array, Array, Array]:
-    """Return h, d0, c2, c3 of the pieces k of cubics through knots x: value + h s (d0 + s (c2 + s c3)), s from 0 to 1.
-
-    See `pysprings.macro.solver.spring_row`.
-    """
-    h = x[k + 1] - x[k]
-    step, d0, d1 = (values[..., k + 1] - values[..., k]) / h, slopes[..., k], slopes[..., k + 1]
-    return h, d0, 3.0 * step - 2.0 * d0 - d1, d0 + d1 - 2.0 * step
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +148,7 @@ class VerticalTable:
         out = np.stack([elastic, np.full(V.size, self.stiffness), np.where(same_loads(V, V0), 0.0, np.inf)])
         for branch, own in self.sides(V - V0):
             x, end = branch.find(V[own]), branch.x[-1]
-            slope = branch.sign * branch.at(np.nan_to_num(x), [-1])[1][0]
+            slope = branch.sign * branch.tangent(np.nan_to_num(x))
             w = w0 + branch.sign * np.nan_to_num(x, nan=end)
             out[:, own] = np.stack([w, np.where(np.isnan(x), 0.0, slope), x / end])
         return out
@@ -199,7 +192,7 @@ class VerticalTable:
         out, change = np.full((self.b.size, w.size), np.nan), w - self.rest[0]
         out[-1] = self.rest[1] + self.stiffness * change
         for branch, own in self.sides(change):
-            out[:, own] = branch.at(np.abs(change[own]))[0]
+            out[:, own] = branch.at(np.abs(change[own]))
         return out
 
     def used(self, w: Array) -> Array:

@@ -30,7 +30,7 @@ import pandas as pd
 
 from pysprings.core.arrays import Array
 from pysprings.core.errors import refused
-from pysprings.core.loads import ROUNDING, in_plane
+from pysprings.core.loads import in_plane
 from pysprings.core.tables import Column, one_table
 from pysprings.core.tables.headings import TEXT
 from pysprings.core.tables.load_cases import OPPOSED, LoadCases
@@ -191,7 +191,7 @@ def _of_buckets(cases: LoadCases, group: Group, loads: list[Array]) -> LoadCases
         axis=1
     )
     force = H[:, None] * along + np.repeat(cases.torsion - turning, m)[:, None] * around
-    planes = in_plane(force, M[:, None] * along, np.outer(np.abs(M), [1e-2 * ROUNDING, OF_PLACES]))
+    planes = in_plane(force, M[:, None] * along, OF_PLACES * np.outer(np.abs(M), [0.01, 1.0]))
     least = LEAST_TORSION * np.abs(H * np.tile(np.hypot(*group.at.T), n)).reshape(n, m).sum(axis=1)
     turned = np.repeat((cases.torsion != 0.0) | (np.abs(turning) > least), m)
     H, M, across = (np.where(turned, a, b) for a, b in ((planes.H, H), (planes.M, M), (planes.across, 0.0 * H)))

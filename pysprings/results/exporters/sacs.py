@@ -197,7 +197,7 @@ def _vertical(made: Uniaxial) -> tuple[list[Spring], list[Spring]]:
             out = np.zeros(x.size)
             for branch in filter(None, (down, up)):
                 own = branch.sign * x > 0.0
-                values = branch.at(np.minimum(np.abs(x[own]), branch.x[-1]), rows)[0] - branch.r[rows, :1]
+                values = branch.at(np.minimum(np.abs(x[own]), branch.x[-1]), rows) - branch.r[rows, :1]
                 out[own] = values.sum(axis=0)
             return out
 

@@ -267,7 +267,7 @@ def _vertical(model: MacroModel) -> Iterator[Spring]:
         for branch in (down, up):
             if branch is not None:
                 own = branch.sign * values > 0.0
-                values[own] = branch.at(np.abs(np.atleast_1d(x)[own]), [-1])[0][0] - branch.r[-1, 0]
+                values[own] = branch.at(np.abs(np.atleast_1d(x)[own]), [-1])[0] - branch.r[-1, 0]
         return values
 
     low, high = -(up.end[0] if up else reach), down.end[0] if down else reach
