@@ -257,8 +257,6 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
     answer = answer_dataset(model, Way(states, loads, "load", V))
     reached = reached & answer["converged"].values  # that is of V
     held = V is None and not model.origin.free_to_heave  # V follows from the motion
-    if V is None and "V" in answer and not held:  # not what the springs hold it to, or extrapolate
-        answer = answer.assign(V=xr.full_like(answer["V"], model.origin.load))
     down = answer["V"].values if "V" in answer else None
     largest = capacities(model, targets, down)
     answer = with_bound(model, answer, targets, largest.utilisation)

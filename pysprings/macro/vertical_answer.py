@@ -122,15 +122,9 @@ def vertical_answer(
 
 
 def _held(model: MacroModel, V: Array) -> Array:
-    """Return V (n,) [N] of lateral springs as near to that at rest as on their paths, where it is given there.
-
-    Beyond the calibrated range what the solver leaves of it would go on with its last slope.
-    """
-    if not all(path.free_to_heave for path in model.behind):
-        return V
-    off = max((float(np.abs(path["V"] - path.load).max()) for path in model.behind), default=np.inf)
-    rest = model.response.rest[1]
-    return np.clip(V, rest - off, rest + off)
+    """Return V (n,) [N] of lateral springs: that at rest where their paths are given it; what solvers leave goes."""
+    given = all(path.free_to_heave for path in model.behind)
+    return np.full_like(V, model.response.rest[1]) if given else V
 
 
 def _unloaded(table: VerticalTable, less: Marks, V: Array) -> list[str]:
