@@ -114,7 +114,6 @@ def _at_one_load(model: MacroModel, loads: Array, V: Level) -> Capacities:
         out.kind[loaded[rows]], out.source[loaded[rows]] = FULL_LIMIT, f"path '{each.path}' {each.words}"
     none = largest <= 0.0  # no load is known that far
     if down is not None:
-        down = np.where(np.abs(down - own) > SOLVED * model.table.load_scale[0], down, own)
         beyond = vertical_use(model, down)["utilisation_V"] > 1.0 + SLACK
         left = _left(model, down, own)
         largest *= np.nan_to_num(left, nan=1.0)

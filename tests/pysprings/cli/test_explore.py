@@ -25,7 +25,6 @@ from pysprings.cli.page import answers, figures
 from pysprings.cli.page.answers import Answer, Asker
 from pysprings.cli.page.sources import AtlasSource, RunSource, Source
 from pysprings.core.errors import UserInputError
-from pysprings.core.loads import NO_LOAD
 from pysprings.core.tables.load_cases import read_load_cases
 from pysprings.full_model.run_record import RunRecord, Status
 from pysprings.macro.batch import predict_batch
@@ -275,13 +274,11 @@ def test_the_largest_loads_have_the_vertical_load_that_they_are_at(run_folder: P
     assert titles[2].startswith("Largest known loads at V = 2 MN of the springs, not at this V;")
 
 
-def test_a_vertical_load_of_zero_that_is_met_to_rounding_is_that_of_the_springs() -> None:
-    """Springs of an atlas at V = 0 have a V of 1 N or so on the way: of other loads, with other models behind it."""
-    source = AtlasSource.of("clay-gap")
-    answers = (Asker(source).answer(start(source, H=H, D=12.0, L=12.0)) for H in (0.58, 0.8, 1.0, 1.2, 1.4))
-    answer = next(each for each in answers if each.way is not None and abs(float(each.way["V"][-1])) > NO_LOAD)
-    assert answer.way is not None and "not at this V" not in answer.way.attrs["capacity_from"]
-    assert "at this V" in figures.envelope(answer)["layout"]["title"]["text"].partition(";")[0]
+def test_an_atlas_without_a_vertical_load_has_the_largest_loads_of_its_springs() -> None:
+    """Solvers leave a newton or so of V = 0 on the paths of the atlas: of other loads, with other models behind it."""
+    answer = Asker(source := AtlasSource.of("clay-gap")).answer(start(source, H=0.58, D=12.0, L=12.0))
+    assert answer.way is not None and answer.way["V"][-1] == 0.0
+    assert figures.envelope(answer)["layout"]["title"]["text"].startswith("Largest known loads at this V")
 
 
 def test_commands_that_are_not_enough(run_folder: Path) -> None:
