@@ -8,6 +8,7 @@ import numpy as np
 
 from pysprings.core.arrays import Array, Marks
 from pysprings.core.errors import Problem, UserInputError
+from pysprings.core.tables.headings import is_unit, split
 from pysprings.core.units import QuantityError, quoted, unit_of
 
 _SI = ("N", "N m", "m", "rad", "s")  # units of the numbers that callers pass in
@@ -15,12 +16,12 @@ _SI = ("N", "N m", "m", "rad", "s")  # units of the numbers that callers pass in
 
 def check_numbers(**values: Any) -> None:
     """Raise UserInputError, by name, for what is not one finite number (None: not given)."""
-    _raise({name: _number_fault(value, arrays=False) for name, value in values.items()})
+    _raise({name: _number_fault(name, value, arrays=False) for name, value in values.items()})
 
 
 def check_arrays(**values: Any) -> None:
     """Raise UserInputError, by name, for what is neither a finite number nor an array of them (None: not given)."""
-    _raise({name: _number_fault(value, arrays=True) for name, value in values.items()})
+    _raise({name: _number_fault(name, value, arrays=True) for name, value in values.items()})
 
 
 def check_shapes(**values: Any) -> None:
@@ -62,10 +63,26 @@ def too_early(time: Array, rows: Array) -> Marks:
 
 
 def check_columns(targets: Any, names: Sequence[str]) -> None:
-    """Raise UserInputError where a table of pandas has columns of these names ("H", "H [N]") at other places."""
-    own = [str(each).partition(" ")[0] for each in getattr(targets, "columns", ())]
+    """Raise UserInputError where a table of pandas has columns of these names at other places, or in other units.
+
+    Labels are those of tables: "H", "H [N]", "H_N".
+    """
+    own = []
+    for label in map(str, getattr(targets, "columns", ())):
+        name, unit = _parted(label, names)
+        own.append(name or label.partition(" ")[0])
+        _raise({"targets": _unit_fault(unit)})
     if set(own) & set(names) and own[: len(names)] != list(names):
         _raise({"targets": f"numbers are taken by place: give the columns {', '.join(names)}, not {', '.join(own)}"})
+
+
+def _parted(label: Any, names: Sequence[str]) -> tuple[str, str | None]:
+    """Return which of names a label has (blank: none), and its unit: in brackets, or behind the name."""
+    for stem, unit in split(label) if isinstance(label, str) else ():
+        name = next((each for each in names if each == stem.replace(" ", "_")), "")
+        if (name or label.rstrip()[-1:] in "])") and (unit is None or is_unit(unit)):
+            return name, unit
+    return "", None
 
 
 def check_rows(rows: Array, V: Any, time: Any) -> None:
@@ -86,16 +103,16 @@ def _raise(faults: dict[str, str]) -> None:
         raise UserInputError(bad)
 
 
-def _number_fault(value: Any, arrays: bool) -> str:
-    """Return why a value is no finite number in SI units; empty where it is one, or None."""
+def _number_fault(name: str, value: Any, arrays: bool) -> str:
+    """Return why the value of an argument is no finite number in SI units; empty where it is one, or None."""
     if value is None:
         return ""
     if isinstance(value, str):
         return f"{quoted(value)} is a text: give a number in SI units (N, m, rad, N m)"
     if np.ma.is_masked(value):
         return "has masked values: leave them out"
-    if not _is_si(getattr(value, "units", None)):
-        return f"has the unit {quoted(str(value.units))}: give numbers in SI units (N, m, rad, N m)"
+    if fault := _unit_fault(getattr(value, "units", _parted(getattr(value, "name", None), [name])[1])):
+        return fault
     data = np.asarray(value)
     if data.dtype.kind not in "iuf":
         return f"a number is needed, not {type(value).__name__}"
@@ -104,9 +121,11 @@ def _number_fault(value: Any, arrays: bool) -> str:
     return "" if np.isfinite(data).all() else "not a finite number"
 
 
-def _is_si(unit: Any) -> bool:
-    """Return whether the unit of a number (of pint; an attribute of an array of xarray) is None or an SI unit."""
+def _unit_fault(unit: Any) -> str:
+    """Return a sentence on the unit of a number (of pint; of an array of xarray; of a label) that is no SI unit."""
     try:
-        return unit is None or unit_of(str(unit)) in [unit_of(each) for each in _SI]
+        if unit is None or unit_of(str(unit)) in [unit_of(each) for each in _SI]:
+            return ""
     except QuantityError:
-        return False
+        pass
+    return f"has the unit {quoted(str(unit))}: give numbers in SI units (N, m, rad, N m)"

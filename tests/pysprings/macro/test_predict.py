@@ -432,6 +432,14 @@ def test_bad_arguments_are_refused(arguments, key):
             "give the columns H, M, not M, H",
         ),
         (
+            lambda springs: sequence(springs, pd.DataFrame({"M_Nm": [2e5], "H_N": [1e5]})),
+            "targets",
+            "give the columns H, M, not M, H",
+        ),
+        (lambda springs: sequence(springs, pd.DataFrame({"H_kN": [1e2], "M_kNm": [2e2]})), "targets", 'unit "kN"'),
+        (lambda springs: predict_batch(springs, H=pd.Series([1e2], name="Fx [kN]")), "H", 'has the unit "kN"'),
+        (lambda springs: predict_batch(springs, H=1e5, M=pd.Series([2e2], name="M_kNm")), "M", 'has the unit "kNm"'),
+        (
             lambda springs: sequence(springs, pd.DataFrame({"u": [0.0], "rotation": [1e-4]}), control="rotation"),
             "targets",
             "give the columns rotation, not u, rotation",
@@ -464,8 +472,9 @@ def test_numbers_of_numpy_and_whole_numbers_are_numbers():
     of_xarray = xr.DataArray(1e5, attrs={"units": "N"})
     for force in (100_000, np.float32(1e5), np.int64(100_000), np.array(1e5), of_xarray):
         assert float(predict(springs, H=force)["u"]) == expected
-    table = pd.DataFrame({"H [N]": [1e5], "M [N m]": [0.0]})
-    assert float(sequence(springs, table)["u"][-1]) == pytest.approx(expected)
+    for names in (["H [N]", "M [N m]"], ["H_N", "M_Nm"]):
+        table = pd.DataFrame([[1e5, 0.0]], columns=names)
+        assert float(sequence(springs, table)["u"][-1]) == pytest.approx(expected)
     answer = predict(springs, H=of_xarray)
     assert float(impose(springs, u=answer["u"])["H"]) == pytest.approx(1e5)
 
