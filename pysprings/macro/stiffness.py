@@ -150,7 +150,7 @@ def at_states(model: MacroModel, states: xr.Dataset, form: Form) -> xr.DataArray
         name, matrices = rows[0][1], [matrix for matrix, _ in rows]
     else:
         name, matrices = _TANGENT, list(_coupled(model, states))
-    one = _array(matrices[0], name, form)
+    one = _array(matrices[-1], name, form)
     return xr.concat([one.copy(data=in_form(matrix, form)) for matrix in matrices], "step")
 
 
@@ -303,8 +303,10 @@ def _parts(question: Question) -> tuple[Load, Form, Asking]:
 
 def _array(matrix: Array, name: str, form: Form) -> xr.DataArray:
     dofs = list(variables.DOFS) if matrix.shape == (3, 3) else ["u", "rotation"]
-    known = variables.GROUPS["prediction"]["stiffness"].attributes()
-    attrs = {"long_name": f"{name} {form_words(form)}", "units": "1", "comment": known["comment"]}
+    words = variables.GROUPS["prediction"]["stiffness"].comment
+    if matrix.shape == (3, 3) and matrix[1, ::2].any():
+        words = f"{variables.GROUPS['springs_root']['stiffness_initial'].comment}; {W_COUPLED}"
+    attrs = {"long_name": f"{name} {form_words(form)}", "units": "1", "comment": words}
     return xr.DataArray(matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"), "stiffness", attrs)
 
 
