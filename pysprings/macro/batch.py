@@ -8,6 +8,7 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 
+from pysprings.core import variables
 from pysprings.core.arguments import check_arrays, check_shapes
 from pysprings.core.arrays import Array, Integers, Marks, Texts
 from pysprings.core.errors import refused
@@ -33,6 +34,22 @@ _NO_CAPACITY: dict[str, Any] = {
     "utilisation": np.nan, "capacity_H": np.nan, "capacity_M": np.nan, "capacity_kind": NOT_KNOWN, "capacity_from": "",
 }  # fmt: skip
 _MOTIONS = ("u", "w", "rotation", "stiffness", *DEVIATIONS)
+_OF_CASES = {  # unit and meaning of what answers by case alone have
+    "H": ("N", "lateral load, in the plane of the case"),
+    "M": ("N m", "moment about the lid centre at mudline, in the plane of H"),
+    "answered": ("1", "1 where u, w, rotation, stiffness are the answer; 0: they are NaN"),
+    "why_not": ("1", "why a case has no answer"),
+    "utilisation": ("1", "load over the largest one that is known in its direction; see capacity_kind"),
+    "capacity_H": ("N", "H of the largest load that is known in the direction of the load"),
+    "capacity_M": ("N m", "M of the largest load that is known in the direction of the load"),
+    "capacity_kind": ("1", "what ends the largest known load"),
+    "capacity_from": ("1", "where the largest known load comes from"),
+    "utilisation_V": ("1", "V over the largest vertical load that is known of its sign; see capacity_V_kind"),
+    "capacity_V": ("N", "largest vertical load that is known of the sign of V"),
+    "capacity_V_kind": ("1", "what ends the largest known vertical load"),
+    "in_space": ("1", "1 where springs in space answer"),
+    "plane_difference_pct": ("percent", "difference of springs in space from those in one plane, of (u, rotation L)"),
+}
 PAST, SIDEWAYS = "beyond a limit load of the full model", "beyond the calibrated range of the springs"
 # largest difference of springs in space from those in one plane [%] that is no mark, and the mark
 MOST_APART, APART = 2.0, "springs in space move {:.2g} % unlike those in one plane under H and M in the plane of H"
@@ -87,7 +104,7 @@ def predict_batch(
         raise refused("H", "give H with arm or M, or components, not both")
     if not parts and T is None:
         force, moment, down = _columns(*loads_of(H, arm, M), down)
-        return answer_loads(springs, np.stack([force, moment], axis=1), down, extrapolate, **choice)
+        return _in_words(answer_loads(springs, np.stack([force, moment], axis=1), down, extrapolate, **choice))
     if not H is arm is M is None:
         H_x, M_y = loads_of(H, arm, M)
     given = (0.0 if each is None else each for each in (H_x, H_y, M_x, M_y, T))
@@ -95,7 +112,19 @@ def predict_batch(
     loads = in_plane(np.stack([x, y], axis=1), np.stack([about_y, -about_x], axis=1))
     answers = answer_from_all_sides(springs, loads, torsion, down, extrapolate, **choice)
     by_space = answers["in_space"].values == 1 if "in_space" in answers else np.zeros(len(loads.H), dtype=bool)
-    return _off_plane(answers, np.where(by_space, 0.0, loads.across))
+    return _in_words(_off_plane(answers, np.where(by_space, 0.0, loads.across)))
+
+
+def _in_words(answers: xr.Dataset) -> xr.Dataset:
+    """Return answers with the meaning and the unit of every variable."""
+    found = variables.attach(variables.attach(answers, "space_prediction"), "prediction")
+    for name, (units, words) in _OF_CASES.items():
+        if name in found:
+            found[name].attrs = {"long_name": words, "units": units}
+    if "direction" in found:
+        for name, axis in (("u", "displacement"), ("rotation", "rotation")):
+            found[name].attrs["comment"] = f"along `direction`; of springs in space the size of the {axis}"
+    return found
 
 
 def _columns(*values: float | Array) -> list[Array]:
@@ -283,7 +312,7 @@ def _answers(model: MacroModel, targets: Array, V: Array | None, extrapolate: bo
         "capacity_kind": largest.kind, "capacity_from": largest.source,
     }  # fmt: skip
     by_case |= {} if down is None or model.vertical is None else vertical_use(model, down)
-    values |= {name: (("case",), each, _UNITS.get(name, {})) for name, each in by_case.items()}
+    values |= {name: (("case",), each, {}) for name, each in by_case.items()}
     return _Part(values, {name: answer.coords[name].variable for name in ("dof", "dof_conjugate")}, answer.attrs)
 
 
@@ -301,10 +330,3 @@ def _forget(largest: Capacities, lost: Marks) -> None:
         values[lost] = np.nan
     loaded = lost & (largest.kind != "")
     largest.kind[loaded], largest.source[loaded] = NOT_KNOWN, "no answer at this V"
-
-
-_UNITS = {
-    "H": {"units": "N"}, "M": {"units": "N m"}, "capacity_H": {"units": "N"}, "capacity_M": {"units": "N m"},
-    "utilisation": {"units": "1"}, "utilisation_V": {"units": "1"},
-    "capacity_V": {"units": "N"},
-}  # fmt: skip

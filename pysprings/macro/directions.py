@@ -8,19 +8,15 @@ caisson is the same in all directions: a load whose H and M lie in one vertical 
 import numpy as np
 import xarray as xr
 
+from pysprings.core import variables
 from pysprings.core.arrays import Array
 from pysprings.core.loads import InPlane
 from pysprings.core.text import number
 
 _OFF_PLANE = "springs answer in one vertical plane"
 _LEAST = "rot_z is T over the torsional stiffness at rest, the least twist: H and T share friction, which is left out"
+_LINEAR = {"long_name": "1 where rot_z is T over the torsional stiffness at rest", "units": "1"}
 _UNKNOWN = "T is left out: torsion is not known, as no full model has computed it"
-_RAD, _NM = ("radian", "rotation"), ("N m", "moment")
-_COMPONENTS = {
-    "u_x": ("m", "displacement of the lid centre"), "u_y": ("m", "displacement of the lid centre"),
-    "rot_x": _RAD, "rot_y": _RAD, "rot_z": ("radian", "twist"), "H_x": ("N", "lateral load"),
-    "H_y": ("N", "lateral load"), "M_x": _NM, "M_y": _NM, "T": ("N m", "torsion"),
-}  # fmt: skip
 
 
 def off_plane(across: float) -> str:
@@ -57,11 +53,10 @@ def with_components(
         "H_x": c * loads.H, "H_y": s * loads.H, "M_x": c * loads.across - s * loads.M,
         "M_y": s * loads.across + c * loads.M, "T": T,
     }  # fmt: skip
-    made = {name: (dim, value, dict(zip(("units", "long_name"), _COMPONENTS[name], strict=True)))
-            for name, value in values.items()}  # fmt: skip
+    made = {name: (dim, value, variables.GROUPS["space_path"][name].attributes()) for name, value in values.items()}
     turned = answer.assign(made).assign(
         direction=(dim, loads.direction, {"units": "radian", "long_name": "plane of H and M, from x towards y"}),
-        linear_twist=(dim, ((by_rest != 0.0) & (stiffness is not None)).astype(np.int8)),
+        linear_twist=(dim, ((by_rest != 0.0) & (stiffness is not None)).astype(np.int8), _LINEAR),
     )
     remark = [twist_words(stiffness)] if by_rest.any() else []
     return turned.assign_attrs(remarks=[*answer.attrs.get("remarks", ()), *remark])

@@ -39,6 +39,9 @@ def test_a_load_in_any_plane_is_answered_there(angle):
         np.testing.assert_allclose(turned[name], given, atol=1e-6)
     np.testing.assert_allclose(turned["rot_z"], T / KNOWN)
     assert turned["linear_twist"].values.tolist() == [0, 1, 0, 1] and "least twist" in turned.attrs["remarks"][-1]
+    for name, each in [*plane.data_vars.items(), *turned.data_vars.items()]:
+        assert each.attrs.get("long_name") and each.attrs.get("units"), name
+    assert "about x" in turned["M_x"].attrs["long_name"] and "size" in turned["u"].attrs["comment"]
 
 
 def test_a_row_off_a_plane_has_no_answer_and_stops_no_other():
