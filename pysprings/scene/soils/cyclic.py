@@ -45,7 +45,7 @@ _COLUMNS = (
     Column("gamma_a", "1", ("gamma a", "average shear strain"), percent=0.01),
     Column("gamma_cy", "1", ("gamma cy", "cyclic shear strain"), percent=0.01),
 )  # fmt: skip
-_INTERVALS = ("[1, 1e9]", "[0, 2]", "[0, 5]", "[0, 1]", "[0, 1]")
+_INTERVALS = ("[1, 1e9]", "[0, 2]", "[0, 2]", "[0, 1]", "[0, 1]")  # a stress in kPa is no share of su
 _PARCELS = (Column("N", "1", ("number of cycles", "cycles")), Column("load/largest", "1", ("share",), percent=0.01))
 _OF_PARCELS = ("(0, 1e9]", "(0, 1]")
 _KEYS: dict[str, Field] = {

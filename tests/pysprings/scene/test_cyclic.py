@@ -260,8 +260,7 @@ def test_check_prints_the_backbone(tmp_path) -> None:
     [
         (("cycles = 10", "cycles = 5000"), None,
          "c.toml:8:10: soil.cyclic: cycles: 5000 is outside the contours, 1 to 1000"),
-        (("cycles = 10", "cycles = 10, average = 0.3"), None,
-         "average: 0.3 is outside the contours at N 10, 0 to 0"),
+        (("cycles = 10", "cycles = 10, average = 0.3"), None, "average: 0.3 is outside the contours at N 10, 0 to 0"),
         (("cycles = 10", "cycles = 0.5"), None, "cycles: 0.5 is not in [1, 1e9]"),
         (("cycles = 10", "average = 0.3"), None, "for cycles, got one with contours, average"),
         (("drammen.csv", "none.csv"), None, "none.csv: no such file"),
@@ -269,6 +268,7 @@ def test_check_prints_the_backbone(tmp_path) -> None:
         (("", ""), "N,tau_cy/su\n1,0.5\n", "drammen.csv:1: no column 'gamma_cy'"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,,2\n", "drammen.csv:3: tau_cy/su: is blank"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n0,0.6,2\n", "drammen.csv:3: N: 0 is not in [1, 1e9]"),
+        (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,1.9,1\n10,2.2,2\n", "drammen.csv:3: tau_cy/su: 2.2 is not in [0, 2]"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n", "the curve of N 10, tau_a/su 0 needs two rows at least"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.4,3\n", "falls, or two of one strain, at 3 %"),
         (("", ""), "N,tau_cy/su,gamma_cy [%]\n10,0.5,1\n10,0.52,2\n10,0.9,3\n", "bends upwards at a strain of 2 %"),
