@@ -304,7 +304,7 @@ def _parts(question: Question) -> tuple[Load, Form, Asking]:
 def _array(matrix: Array, name: str, form: Form) -> xr.DataArray:
     dofs = list(variables.DOFS) if matrix.shape == (3, 3) else ["u", "rotation"]
     words = variables.GROUPS["prediction"]["stiffness"].comment
-    if matrix.shape == (3, 3) and matrix[1, ::2].any():
+    if name == _TANGENT and matrix.shape == (3, 3) and matrix[1, ::2].any():  # at rest what stands there is rounding
         words = f"{variables.GROUPS['springs_root']['stiffness_initial'].comment}; {W_COUPLED}"
     attrs = {"long_name": f"{name} {form_words(form)}", "units": "1", "comment": words}
     return xr.DataArray(matrix, {"dof": dofs, "dof_conjugate": dofs}, ("dof", "dof_conjugate"), "stiffness", attrs)

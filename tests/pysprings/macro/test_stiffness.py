@@ -100,6 +100,8 @@ def test_between_springs_at_two_vertical_loads_w_is_coupled(share: float) -> Non
         alone = stiffness(springs, u=float(u), rotation=float(rotation), V=loads[1])
         np.testing.assert_allclose(found, alone, rtol=1e-9, atol=1.0)
     assert not tangents[0, 1, ::2].any() and "w is coupled" in alone.attrs["comment"]
+    springs["stiffness_initial"].values[1, 0] = 1e-9  # rounding
+    assert "uncoupled" in stiffness(springs).attrs["comment"]
 
 
 @pytest.mark.filterwarnings("ignore::pysprings.macro.answer.MacroWarning")
