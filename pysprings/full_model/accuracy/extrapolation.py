@@ -112,7 +112,7 @@ def _order_at_tip(path: RecordedPath) -> float:
 
 def has_equal_motion(path: RecordedPath) -> bool:
     """Return whether a motion drives a path, so that meshes can be compared at equal motion."""
-    return not path.rules.force
+    return not PATH_KINDS[path.kind].force  # of a load that climbs, too
 
 
 Reactions = dict[str, Array]

@@ -34,12 +34,13 @@ from tests.support.commands import command
 PULL = {"name": "pull", "kind": "pull", "lateral_displacement": 4e-3, "arm": 4.0}
 BACK = {"name": "back", "kind": "pull", "lateral_displacement": 2e-3, "then": ["-1 mm"], "role": "held-back"}
 LOAD = {"name": "load", "kind": "load", "lateral_force": 2e5, "arm": 4.0, "role": "held-back"}
+CLIMB = LOAD | {"name": "climb", "arm_from": 0.0}
 DOWN = {"name": "down", "kind": "vertical", "vertical_displacement": 2e-3}
 SERIES: dict[str, Any] = {"mesh": {"discretisation": "fourier", "refinement": 0.5, "harmonics": 2}}
 
 
 def scene(**changes: Any) -> Scene:
-    return tiny.sand(**SERIES | {"paths": (PULL, BACK, LOAD, DOWN)} | changes)
+    return tiny.sand(**SERIES | {"paths": (PULL, BACK, LOAD, CLIMB, DOWN)} | changes)
 
 
 @cache
@@ -93,8 +94,9 @@ def test_a_path_under_a_load_has_the_reactions_of_one_mesh_and_a_remark() -> Non
     assert record.error_estimate["extrapolated"]["paths"] == ["pull", "back", "down"]
     assert record.error_estimate["extrapolated"]["halved"] == ["down"]
     assert [text for text in record.remarks if "reactions of down extrapolated from elements halved at the tip" in text]
-    assert [text for text in record.remarks if "path load has the reactions of one mesh: a load drives it" in text]
-    xr.testing.assert_identical(paths_of(tree)["load"].dataset, paths_of(tree, of_mesh=True)["load"].dataset)
+    for name in ("load", "climb"):
+        assert f"path {name} has the reactions of one mesh: a load drives it" in " ".join(record.remarks)
+        xr.testing.assert_identical(paths_of(tree)[name].dataset, paths_of(tree, of_mesh=True)[name].dataset)
     assert "reactions extrapolated from meshes of" in extract_springs(tree).attrs["remarks"]
 
 
