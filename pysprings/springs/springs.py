@@ -26,7 +26,7 @@ from pysprings.springs.checks import check_schema, validate_springs
 from pysprings.springs.path import SpacePath, SpringPath, is_rate, paths_of, pure_of, rays_of, space_paths_of
 from pysprings.springs.path_ends import PathEnd
 
-OF_ATLAS = "springs of the {} ({} full models), not of a full model of this caisson; deviations are standard ones"
+OF_ATLAS = "springs of the {} ({} full models), not of a full model of this caisson; standard deviations; w has none"
 SPREAD = "atlas"  # group of the standard deviation that springs of an atlas have
 _DIMS = ("mode", "ray", "knot")
 

@@ -166,9 +166,9 @@ def _root(atlas: Atlas, scene: Scene, estimate: Estimate, V: float) -> xr.Datase
         "caisson_behaviour": "rigid", "limit_displacement_over_diameter": scene.limit.displacement_over_diameter,
         "limit_rotation_rad": scene.limit.rotation, "atlas": "; ".join(f"{k}: {v}" for k, v in atlas.about.items()),
         "atlas_outside": "; ".join(estimate.outside), "atlas_mesh": mesh_words(atlas),
-        "atlas_cases": len(atlas.inputs), "remarks": "; ".join(implausible(scene)),
-        "K_V_relative_deviation": float(errors[0]), "K_H_relative_deviation": float(errors[1]),
-        "K_M_relative_deviation": float(errors[2]),
+        "remarks": "; ".join([*implausible(scene), *(atlas.family.under_load if V > 0.0 else ())]),
+        "atlas_cases": len(atlas.inputs), "K_V_relative_deviation": float(errors[0]),
+        "K_H_relative_deviation": float(errors[1]), "K_M_relative_deviation": float(errors[2]),
     }  # fmt: skip
     return root
 

@@ -69,6 +69,7 @@ class Family:
     odd : scene, base -> further reasons why an atlas does not cover the scene.
     at_rest : scene -> vertical load [N] of its initial contact stresses, where no input follows the weight of the soil;
         the last input is then V.
+    under_load : remarks on springs at a V above 0.
     """
 
     name: str
@@ -81,6 +82,7 @@ class Family:
     short: Mapping[str, str] = field(default_factory=dict)
     odd: Callable[[Scene, Scene], Iterator[Problem]] = lambda _scene, _base: iter(())
     at_rest: Callable[[Scene], float] | None = None
+    under_load: tuple[str, ...] = ()
 
     def check(self, scene: Scene, base: Scene) -> None:
         """Raise UserInputError for every value of a scene that an atlas with this base scene does not follow."""

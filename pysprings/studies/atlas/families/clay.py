@@ -113,6 +113,7 @@ FAMILY = Family(
     },
     odd=_odd,
     at_rest=_at_rest,
+    under_load=("under V full models had 22 % less to 13 % more load at u/D below 0.1 su/G, beyond the deviations",),
 )  # fmt: skip
 
 _WEIGHT = "effective_unit_weight"
