@@ -55,6 +55,9 @@ class AtRest(Protocol):
     def backward(self, swept: Any, interface: np.ndarray) -> np.ndarray:
         """Return the unknowns (n_free,), those of the interface (m,) being known; uses up ``swept``."""
 
+    def of_soil(self, swept: Any) -> tuple[list[np.ndarray], Any]:
+        """Return what the factors have swept, and what `follow` needs, of what `forward` has returned."""
+
     def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
         """Return what `follow` needs, and the load (m,) of the interface, of what the factors leave (nk, 3, K)."""
 
@@ -74,7 +77,7 @@ class SoilAtRest:
         self.uneven = factors.n_nodes > n
         self._free = inside >= 0
         size = int(np.count_nonzero(self._free))
-        self.matrix = np.zeros((size, size))
+        self.matrix = np.zeros((size, size), order="F")
         for m in range(factors.n_waves):
             at, half = inside[..., m].ravel(), len(factors.schur)
             block = factors.schur[m if m < half else m - half + 1]
@@ -94,6 +97,10 @@ class SoilAtRest:
         """See `AtRest`."""
         whole = self.factors.backward(swept, self.follow(None, interface))
         return np.concatenate([whole[: self.n].ravel(), whole[self.n :, 0].ravel()])
+
+    def of_soil(self, swept: Any) -> tuple[list[np.ndarray], Any]:
+        """See `AtRest`."""
+        return swept, None
 
     def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""
@@ -288,6 +295,10 @@ class BesideLinear:
         force[self._beyond] -= (self.soil.matrix @ moved)[self._joined]  # q + f_t = f_s + f_t - A u_s
         soil = self.soil.backward(of_soil, moved)
         return np.concatenate([soil[:first], self.linear.move(force), soil[first:]])
+
+    def of_soil(self, swept: Any) -> tuple[list[np.ndarray], Any]:
+        """See `AtRest`."""
+        return self.soil.of_soil(swept[0])[0], swept[1:]
 
     def lead(self, left: np.ndarray) -> tuple[Any, np.ndarray]:
         """See `AtRest`."""

@@ -265,7 +265,7 @@ class FourierSystem:
         It is written into ``out`` where that is given.
         """
         size = len(self.pattern.interface) + self.model.n_border
-        out = np.empty((size, size)) if out is None else out
+        out = np.empty((size, size), order="F") if out is None else out
         out[...] = 0.0
         place = self.pattern.place[self.contact.node]
         kernels.contact_matrix(self.contact, tangent.contact, place, out)

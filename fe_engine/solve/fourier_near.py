@@ -9,7 +9,7 @@ that they depend on, in single precision, which is far closer than GMRES is to g
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -61,7 +61,15 @@ class NearProduct:
         """Return the product for forces (p 3 K,) N."""
         _down(self._near, self._inside, force.reshape(self._motion.shape), self._swept, self._left)
         kept, load = self._rest.lead(self._left)
-        known = self._rest.follow(kept, self._interface(load))
+        return self._behind(kept, self._interface(load))
+
+    def behind(self, swept: Any, interface: np.ndarray) -> np.ndarray:
+        """Return the product (p 3 K,) for forces everywhere, which `AtRest.backward` takes on from here."""
+        self._swept[:], kept = self._rest.of_soil(swept)
+        return self._behind(kept, interface)
+
+    def _behind(self, kept: Any, interface: np.ndarray) -> np.ndarray:
+        known = self._rest.follow(kept, interface)
         _up(self._near, self._inside, known, self._swept, self._motion)
         out = np.zeros(self._motion.shape)
         _product(self._yielding, self._motion, out)
@@ -74,9 +82,7 @@ def _down(near, inside, force, swept, left):
     for g in range(len(near.group)):
         lane, first, count, number = near.group[g]
         x = swept[g]
-        for j in near.columns:
-            x[j] = 0.0
-        x[near.eliminated :] = 0.0
+        x[...] = 0.0
         factors.put(near.number, near.place, force, lane, first, count, x)
         factors.forward(near.columns, near.pointer, near.row, near.lower[number], near.inverse[number], x)
         factors.take(inside, near.eliminated + inside, x, lane, first, count, left)

@@ -16,8 +16,10 @@ all of P^-1.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import lapack, solve_triangular
@@ -126,45 +128,47 @@ class FourierStage:
     ) -> np.ndarray:
         """Solve for rhs (n + k,), up to a share of ``size`` (N), or of what P alone leaves where that is None."""
         with self.clock.phase("solve"):
-            x, n = p.solve(rhs), self.system.pattern.n_moving
             self.n_solves += 1
             if (tangent.regime == REGIME_ELASTIC).all():  # P is the tangent
-                return x
-            v = -self.system.plastic_product(tangent, x[:n])
-            left = float(np.linalg.norm(v))
+                return p.solve(rhs)
+            yielding, exact = self.system.yielding(tangent), share == _EXACT
+            rows = self.system.pattern.equation[yielding[1]].ravel()
+            near = None if exact else NearProduct(self.system, tangent, yielding, p.rest, p.interface)
+
+            def product(v: np.ndarray) -> np.ndarray:
+                """Return D P^-1 v (r,) on the rows (r,) where D has something."""
+                return self._product(p, tangent, np.bincount(rows, v, p.size))[rows] if near is None else near(v)
+
+            v = -(self._product(p, tangent, rhs)[rows] if near is None else near.behind(*p.halfway(rhs)[:2]))
+            left, both = float(np.linalg.norm(v)), rhs.copy()
             target = share * (left if size is None else size)
-            exact = share == _EXACT
-            return x if left <= target else x + p.solve(self._gmres(p, tangent, v, left, target, exact))
+            if left > target:
+                both[rows] += self._gmres(product, v, left, target, exact)
+            return p.solve(both)
+
+    def _product(self, p: Preconditioner, tangent: FourierTangent, v: np.ndarray) -> np.ndarray:
+        """Return D P^-1 v (n_moving,) of forces (n + k,), by all factors."""
+        return self.system.plastic_product(tangent, p.solve(v)[: self.system.pattern.n_moving])
 
     def _gmres(
-        self, p: Preconditioner, tangent: FourierTangent, v: np.ndarray, size: float, target: float, exact: bool
+        self, product: Callable[[np.ndarray], np.ndarray], v: np.ndarray, size: float, target: float, exact: bool
     ) -> np.ndarray:
-        """Return the forces P x (n + k,) of (P + D) x = v (n_moving,), of the norm ``size``, when ``target`` is left.
+        """Return the forces P x (r,) of (P + D) x = v (r,), of the norm ``size``, when ``target`` is left.
 
-        Stop after a few iterations where that is not to be ``exact``; raise LinearSolverError where it is and fails.
+        product : D P^-1 of forces (r,). Stop after a few iterations where that is not to be ``exact``; raise
+        LinearSolverError where it is and fails.
         """
-        yielding = self.system.yielding(tangent)
-        rows = self.system.pattern.equation[yielding[1]].ravel()
-        n, most = len(v), min(_MOST if exact else _FIRST_MODES, len(rows))
-        basis, padded = np.empty((most + 1, len(rows))), np.zeros(p.size)
-
-        def product(force: np.ndarray) -> np.ndarray:
-            """Return D P^-1 force (r,) on the rows (r,) where D has something."""
-            padded[rows] = force
-            forces: np.ndarray = self.system.plastic_product(tangent, p.solve(padded)[:n])[rows]
-            return forces
-
-        if not exact:
-            product = NearProduct(self.system, tangent, yielding, p.rest, p.interface)
+        most = min(_MOST if exact else _FIRST_MODES, len(v))
+        basis = np.empty((most + 1, len(v)))
         upper, turns, rhs = np.zeros((most + 1, most)), np.zeros((most, 2)), np.zeros(most + 1)
-        basis[0], rhs[0] = v[rows] / size, size
+        basis[0], rhs[0] = v / size, size
         for k in range(most):
             w = basis[k] + product(basis[k])
-            for _ in range(2):  # once is not enough in floating point
+            for _ in range(2 if exact else 1):  # rounding adds up over many iterations: twice (Daniel et al. 1976)
                 shares = basis[: k + 1] @ w
                 w -= shares @ basis[: k + 1]
                 upper[: k + 1, k] += shares
-            upper[k + 1, k] = np.linalg.norm(w)
+            upper[k + 1, k] = length = np.linalg.norm(w)
             if not _turn(upper[:, k], turns, rhs, k):
                 raise LinearSolverError("the tangent is singular")
             self.n_iterations += 1
@@ -172,10 +176,10 @@ class FourierStage:
             if not np.isfinite(rhs[k + 1]):
                 raise LinearSolverError("GMRES overflows")
             if abs(rhs[k + 1]) <= target or (k + 1 == most and not exact):
-                padded[rows] = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ basis[: k + 1]
                 self.n_solves += 1
-                return padded
-            basis[k + 1] = w / np.linalg.norm(w)
+                found: np.ndarray = solve_triangular(upper[: k + 1, : k + 1], rhs[: k + 1]) @ basis[: k + 1]
+                return found
+            basis[k + 1] = w / length
         raise LinearSolverError(f"GMRES leaves {abs(rhs[most]) / size:.1e} of the forces after {most} iterations")
 
 
@@ -206,7 +210,7 @@ class Preconditioner:
         self.n, self.control = system.pattern.n_free, control
         self._pattern, self.rest = system.pattern, system.at_rest(tangent.time_step)
         m = self._m = len(self._pattern.interface)
-        whole = room.square("contact", m + system.model.n_border).T
+        whole = room.square("contact", m + system.model.n_border)
         self._contact = contact = system.contact_matrix(tangent, whole)
         k = control.motions.shape[1]
         self.size = self.n + k
@@ -245,9 +249,14 @@ class Preconditioner:
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """Apply the inverse to rhs (n + k,)."""
+        swept, interface, border = self.halfway(rhs)
+        return np.concatenate([self.rest.backward(swept, interface), border])
+
+    def halfway(self, rhs: np.ndarray) -> tuple[Any, np.ndarray, np.ndarray]:
+        """Return the way of rhs (n + k,) to the interface, and the unknowns (m,) there and (k,) of the border."""
         swept, left = self.rest.forward(rhs[: self.n])
         middle = self._solved(np.concatenate([left, rhs[self.n :]]))
-        return np.concatenate([self.rest.backward(swept, middle[: self._m]), middle[self._m :]])
+        return swept, middle[: self._m], middle[self._m :]
 
     def interface(self, load: np.ndarray) -> np.ndarray:
         """Return the unknowns (m,) of the interface under its load (m,) alone, unrefined."""
