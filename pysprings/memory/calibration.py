@@ -14,12 +14,12 @@ import numpy as np
 from pysprings.core.arrays import Array, Integers, Marks
 from pysprings.macro.fan import FanTable
 from pysprings.macro.ways import RANGE_SLACK
-from pysprings.memory.elements import PLASTIC, PLATES, REVERSIBLE
+from pysprings.memory.elements import OUTSIDE, PLASTIC, PLATES, REVERSIBLE, SUBSTEP
 from pysprings.memory.offered import Candidates, Known, Offered, around, candidates, elastic_motions, force_directions
 from pysprings.memory.shares import Sample, Shares, at_rest, shares_of, stiffnesses
 
+NO_FARTHER = f"springs with memory are followed to {OUTSIDE:g} times their reach"
 STIFFNESS = 0.1  # weight of the initial stiffness beside a ray
-SUBSTEP = 0.01  # largest step of the motion over the reach
 AT_ONCE = 200  # columns that join a fit together
 FORGET = 1e-9  # share of the initial stiffness below which an element is left out
 # Numbers of the state of an element that moves in two planes (a plate: gap and frictional ones; a reversible one keeps

@@ -74,6 +74,8 @@ ARMIJO = 1e-4
 # Where loads jump to the next equilibrium: most steps, largest motion over that of a step, drag over the stiffness, and
 # most jumps on the way to one target: elements that jump with every small part of it carry no more
 MOST_CREPT, FARTHEST, DRAG, MOST_JUMPS = 400, 10.0, 0.5, 1000
+# Largest step of a motion over the reach; and how many reaches from rest elements are followed on their last slope
+SUBSTEP, OUTSIDE = 0.01, 20.0
 
 
 @jitted
@@ -565,7 +567,8 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
 
     drive holds G, C (m, m) and scale (m,) of the equations G q + C F = c; m = 2 in one plane, 5 in space. A step longer
     than `largest` [m], or one that does not converge, is halved, down to SHORTEST; where none converges the elements
-    creep to the next equilibrium. Writes motions and loads (n, m), and the last state found into `states`.
+    creep to the next equilibrium. It ends OUTSIDE reaches from rest. Writes motions and loads (n, m), and into `states`
+    the last state found.
 
     Returns
     -------
@@ -573,7 +576,7 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
         Number of targets reached, the first one included; c (m,) of the last step that converged.
     """
     m = start.shape[0]
-    q0, q, last, first = start.copy(), start.copy(), targets[0].copy(), targets[0].copy()
+    q0, q, last, first, rest = start.copy(), start.copy(), targets[0].copy(), targets[0].copy(), np.zeros(m)
     trial = states.copy()
     F, K, c, g = np.zeros(m), np.zeros((m, m)), np.zeros(m), np.zeros(m)
     for n in range(targets.shape[0]):
@@ -599,6 +602,8 @@ def follow(rows, drive, largest, start, states, targets, motions, loads):
                 width = 1.0
             else:
                 states[:, :] = trial
+            if _distance(q, rest) > OUTSIDE / SUBSTEP * largest:
+                return n, last
             q0[:] = q
             last[:] = c
             done = aim

@@ -17,7 +17,7 @@ from pysprings.macro.response import Between, ElementRows, Level
 from pysprings.macro.solver import Drive
 from pysprings.macro.vertical import VerticalTable
 from pysprings.macro.ways import Along, Control, ending, equations
-from pysprings.memory.calibration import ElementSet, beyond_way, numbers_of
+from pysprings.memory.calibration import NO_FARTHER, ElementSet, beyond_way, numbers_of
 from pysprings.memory.elements import COLUMNS, PLATES, SPACE, SPACE_COLUMNS, SPACE_STATES, STATES, follow, tangents
 from pysprings.memory.mixture import ChangingLoad
 from pysprings.memory.offered import Offered, even_by_row, numbers_in_space
@@ -188,8 +188,10 @@ class MemorySprings(FanSprings):
             else changing.follow(drive, aims, _each(V, aims))
         )
         states, loads, n = motions / self.to_motion, carried * self.to_motion, len(motions)
+        if n == len(aims):
+            return states, loads, ""
         end = self._target(control, np.array(at))
-        return states, loads, "" if n == len(aims) else ending(control, end, targets[n], states, loads)
+        return states, loads, f"{ending(control, end, targets[n], states, loads)}; {NO_FARTHER}"
 
     def between(self, control: Control, targets: Array, arm: float, states: Array, V: Level) -> Between:
         """Return states on the way to states (n, 2) that targets (n, 2) lead to: see `Response`.

@@ -23,7 +23,6 @@ from pysprings.memory.calibration import (
     FORGET,
     MOST_NUMBERS,
     STIFFNESS,
-    SUBSTEP,
     ElementSet,
     SpaceElements,
     fitted,
@@ -31,7 +30,7 @@ from pysprings.memory.calibration import (
     strongest,
     way_of,
 )
-from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, histories, tangents
+from pysprings.memory.elements import COLUMNS, SPACE, SPACE_COLUMNS, STATES, SUBSTEP, histories, tangents
 from pysprings.memory.shares import RIDGE, Sample, heave_of, heave_weights, loads_of, places
 from pysprings.memory.water import ridge_fit
 from pysprings.springs.path import SpacePath

@@ -32,7 +32,7 @@ from pysprings.macro.vertical import VerticalTable, build_vertical, covered
 from pysprings.macro.vertical_answer import beyond_springs, no_equilibrium, past_elastic
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.memory.build import build_memory
-from pysprings.memory.calibration import ElementSet, SpaceElements, beyond_way
+from pysprings.memory.calibration import NO_FARTHER, ElementSet, SpaceElements, beyond_way
 from pysprings.memory.elements import SPACE, SPACE_STATES, advance, follow, tangents
 from pysprings.memory.model import divided_way, followed, joined
 from pysprings.memory.offered import Offered, elastic_motions, evened
@@ -151,7 +151,8 @@ class SpaceSprings:
         aims = self.loads_of(rows) if control == "load" else self.motions_of(rows)
         motions, loads, _ = followed(self.elements.rows, self.drive(control), self.largest, aims)
         n = len(motions)
-        message = "" if n == len(aims) else f"macro-model: no equilibrium on the way to row {n + 1} of the sequence"
+        where = f"macro-model: no equilibrium on the way to row {n + 1} of the sequence; {NO_FARTHER}"
+        message = "" if n == len(aims) else where
         return self.turns_of(motions), self.pushes_of(loads), message
 
     def checked(self, targets: Array) -> Array:

@@ -271,9 +271,14 @@ def test_a_first_load_that_the_elements_do_not_carry_is_refused() -> None:
 def test_more_than_the_elements_carry_is_named() -> None:
     table = model().table
     rows = np.array([element(d=1e-3)])
-    few = winkler.remembering(ElementSet(rows, REACH, model().elements.shares, 0.0, {}, REACH), table)
+    few, elastic = (
+        winkler.remembering(ElementSet(each, REACH, model().elements.shares, 0.0, {}, REACH), table)
+        for each in (rows, np.array([element(d=1e9)]))
+    )
     states, _, message = few.solve("load", np.array([[5e4, 0.0], [5e5, 0.0]]))
     assert len(states) == 1 and "no equilibrium beyond H = " in message
+    states, _, message = elastic.solve("load", 1e8 * REACH * np.array([[19.0, 0.0], [21.0, 0.0], [1e6, 0.0]]))
+    assert states[:, 0] == pytest.approx([19.0 * REACH]) and "followed to 20 times their reach" in message
     stepper = MemoryStepper(few)
     with pytest.raises(BeyondSprings, match="carry no more than H = "):
         stepper.advance(load=(5e5, 0.0))
