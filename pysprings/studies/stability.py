@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from pydantic import ValidationError
 
 from pysprings.core.columns import Column, Table
-from pysprings.core.errors import Problem, PyspringsError, UserInputError
+from pysprings.core.errors import Problem, PyspringsError, UserInputError, refused
 from pysprings.core.progress import Progress
 from pysprings.core.text import suggestion
 from pysprings.core.words import StopReason
@@ -210,7 +210,13 @@ def run_cases(
 
     ``jobs`` are worker processes (1: none), in which cases share the machine: their times grow. ``report`` is given the
     rows in their order. KeyboardInterrupt passes through: it has what ended before.
+
+    Raises UserInputError: a refinement or a reach that the plain caisson refuses, too.
     """
+    try:
+        CASES[0].scene(mesh, reach).replace(mesh={"refinement": refinement})
+    except ValidationError as error:
+        raise refused("--refinement, --reach", _refusal(error)) from None
     tasks = [Task(case.name, _in_worker, (case, mesh, refinement, reach)) for case in cases]
     ended: dict[str, Outcome] = {}
     rows: list[Outcome] = []

@@ -93,6 +93,12 @@ def test_cases_are_chosen_by_name_and_group() -> None:
         stability.cases_named(["smoth"])
 
 
+@pytest.mark.parametrize("given", [("--refinement", "-1"), ("--refinement", "nan"), ("--reach", "0 mm")])
+def test_a_setting_that_no_case_takes_is_refused(given: tuple[str, str]) -> None:
+    done = command("stability", "--case", "soft", *given)
+    assert (done.code, "fatal: user input: --refinement, --reach:" in done.err) == (2, True)
+
+
 def test_a_shorter_reach_leaves_what_a_case_says_itself() -> None:
     by_name = {case.name: case for case in CASES}
     assert by_name["paper"].scene("coarse", 3e-3).paths[0].lateral_displacement == 3e-3
