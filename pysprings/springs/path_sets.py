@@ -109,7 +109,7 @@ def blend(slow: SpringPath, fast: SpringPath, share: float) -> SpringPath:
                 data[name] = values.values ** (1.0 - share) * moved**share
     out = out.copy(data=data)
     out.attrs = {key: value for key, value in slow.attrs.items() if key not in KEYS}
-    out.attrs |= earlier_end(out, whole, fast.dataset)
+    out.attrs |= earlier_end(out, whole, fast.dataset, fast.name)
     errors = [float(each.attrs.get(MESH_ERROR, np.nan)) for each in (slow, fast)]
     out.attrs |= {MESH_ERROR: float(np.fmax(errors[0], errors[1]))} if np.isfinite(errors).any() else {}
     return SpringPath(slow.name, out, slow.length)

@@ -201,7 +201,7 @@ def test_between_two_vertical_loads_a_path_ends_with_the_shorter_one():
     ended(tree, "slide_4", "stopped", "localisation")
     between = Springs.of(tree).at(V=3e6).path("slide").dataset
     end = end_of("slide", between)
-    assert (end.how, end.why) == ("stopped", "localisation")
+    assert (end.how, end.why) == ("stopped", "as path 'slide_4': localisation")
     assert pytest.approx(float(between["H"][-1])) == end.H
     assert end_of("turn", Springs.of(tree).at(V=3e6).path("turn").dataset).how == "reached"
 
