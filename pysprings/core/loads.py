@@ -48,9 +48,9 @@ def in_plane(force: Array, bending: Array, least: Array | None = None, plane: Ar
         )
         plane = lead / np.hypot(*lead.T)[:, None]
     across = plane[:, 1] * bending[:, 0] - plane[:, 0] * bending[:, 1]
-    across = np.where(np.abs(across) <= least[:, 1], 0.0, across)
-    H, M = ((plane * each).sum(axis=1) for each in (force, bending))
-    return InPlane(H, M, across, np.arctan2(plane[:, 1], plane[:, 0]))
+    both = np.stack([(plane * bending).sum(axis=1), across])
+    M, across = np.where(np.abs(both) <= least[:, 1], 0.0, both)
+    return InPlane((plane * force).sum(axis=1), M, across, np.arctan2(plane[:, 1], plane[:, 0]))
 
 
 SAME_LOAD = 1e-3  # vertical loads that differ by less than this share are one

@@ -135,14 +135,14 @@ def test_six_components(tmp_path: Path) -> None:
     """z up, right-handed: My = Fx h and Mx = -Fy h of a force at height h; a moment across is none of both."""
     head = "load case,Fx [kN],Fy [kN],Fz [kN],Mx [kNm],My [kNm],Mz [kNm]"
     rows = ("a,1200,0,-9000,0,42000,0", "b,1500,300,-9000,-9000,45000,500", "c,0,100,0,-500,200,0", "d,-10,0,0,0,-50,0")
-    cases = table(tmp_path, head, *rows)
-    np.testing.assert_allclose(np.abs(cases.H), [1200e3, np.hypot(1500e3, 300e3), 1e5, 1e4])
-    np.testing.assert_allclose(np.abs(cases.M), [42e6, 30.0 * np.hypot(1500e3, 300e3), 5e5, 5e4])
+    cases = table(tmp_path, head, *rows, "e,300,-700,0,300,-700,0")  # all across: no M, of either sign, in rounding
+    np.testing.assert_allclose(np.abs(cases.H), [1200e3, np.hypot(1500e3, 300e3), 1e5, 1e4, np.hypot(3e5, 7e5)])
+    np.testing.assert_allclose(np.abs(cases.M), [42e6, 30.0 * np.hypot(1500e3, 300e3), 5e5, 5e4, 0.0])
     assert not cases.opposed.any()
-    np.testing.assert_allclose(cases.V, [9e6, 9e6, 0.0, 0.0])
-    np.testing.assert_allclose(np.degrees(cases.direction), [0.0, 11.309932474, 90.0, 0.0], atol=1e-9)
-    np.testing.assert_allclose(cases.torsion, [0.0, 5e5, 0.0, 0.0])
-    np.testing.assert_allclose(cases.across, [0.0, 0.0, 2e5, 0.0], atol=1e-6)  # right-handed about y
+    np.testing.assert_allclose(cases.V, [9e6, 9e6, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(np.degrees(cases.direction), [0.0, 11.309932474, 90.0, 0.0, -66.801409486], atol=1e-9)
+    np.testing.assert_allclose(cases.torsion, [0.0, 5e5, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(cases.across, [0.0, 0.0, 2e5, 0.0, np.sqrt(58e10)], atol=1e-6)  # right-handed about y
 
 
 def test_a_table_with_z_down_has_a_remark_in_every_row(tmp_path: Path) -> None:
