@@ -515,6 +515,7 @@ def _block(
 CHART_ROWS, CHART_COLUMNS = 20, 9  # cells from a row of charts to the next, from a chart to the next one beside it
 ACROSS = 3  # charts beside each other
 ON_A_PAGE = 2  # rows of charts
+HELD = 1e-9  # of the largest y: less motion [m, rad] is rounding
 
 Series = Sequence[tuple[str, int, int]]  # name, columns of x and y
 
@@ -525,17 +526,22 @@ def add_charts(book: Book, sheet: Any, sets: Sequence[str]) -> None:
     Below are a row of charts for each vertical path: V, and t by depth, over w.
     """
     depths = [f"{z:.2f} m" for z in next(iter(book.paths.values()))["depth"].values]
-    load: Series = [(book.recorded, 2, 5)] + [(f"macro, {s}", 2, 8 + 3 * k) for k, s in enumerate(sets)]
     py = [(z, 2 + 4 * k, 3 + 4 * k) for k, z in enumerate(depths)]
-    mtheta = [(z, 2, 4 + 4 * k) for k, z in enumerate(depths)]
+    mtheta = ("m-theta", "distributed moment by depth", [(z, 2, 4 + 4 * k) for k, z in enumerate(depths)],
+              "rotation [mrad]", "m [kN m/m]")  # fmt: skip
     V = [("V", 2, 3), ("tip", 2, 4), ("lid", 2, 5)]
-    lateral = (
-        ("load-displacement", "load at the lid", load, "u [mm]", "H [kN]"),
-        ("p-y", "p-y, both sides, by depth", py, "y [mm]", "p [kN/m]"),
-        ("m-theta", "distributed moment by depth", mtheta, "rotation [mrad]", "m [kN m/m]"),
-        ("base", "force on the tip", [("H", 2, 5)], "y of the tip [mm]", "H [kN]"),
-        ("lid", "force under the lid", [("H", 2, 5)], "u [mm]", "H [kN]"),
-    )
+
+    def lateral(path: xr.Dataset) -> Iterator[Any]:
+        """Yield the charts of a path, none over a motion that it holds at 0: M over rotation where u is held."""
+        turns, moves = (np.ptp(path[each].values) > HELD * np.abs(path["y"].values).max() for each in ("rotation", "u"))
+        x, y, motion, load = (2, 5, "u [mm]", "H [kN]") if moves else (4, 7, "rotation [mrad]", "M [kN m]")
+        macro: Series = [(f"macro, {s}", x, y + 3 + 3 * k) for k, s in enumerate(sets)]
+        yield "load-displacement", "load at the lid", [(book.recorded, x, y), *macro], motion, load
+        yield "p-y", "p-y, both sides, by depth", py, "y [mm]", "p [kN/m]"
+        yield from [mtheta] if turns else []
+        yield "base", "force on the tip", [("H", 2, 5)], "y of the tip [mm]", "H [kN]"
+        yield "lid", "load under the lid", [(load[0], 2 if moves else 3, y)], motion, load
+
     vertical = (
         ("t-z", "vertical load", V, "w [mm]", "V [kN]"),
         ("t-z", "t-z by depth", [(z, 2, 6 + 3 * k) for k, z in enumerate(depths)], "w [mm]", "t [kN/m]"),
@@ -543,7 +549,7 @@ def add_charts(book: Book, sheet: Any, sets: Sequence[str]) -> None:
     sheet.set_h_pagebreaks([ON_A_PAGE * CHART_ROWS * k for k in range(1, 1 + len(book.paths))])
     whole, down = book.rows(book.paths), book.rows(book.down)
     for place, name in enumerate(book.lateral):
-        _insert(book, sheet, ON_A_PAGE * place, name, whole[name], lateral)
+        _insert(book, sheet, ON_A_PAGE * place, name, whole[name], lateral(book.paths[name]))
     for place, name in enumerate(book.down, start=ON_A_PAGE * len(book.lateral)):
         _insert(book, sheet, place, name, down[name], vertical)
 
