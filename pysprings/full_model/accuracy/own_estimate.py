@@ -34,6 +34,9 @@ from pysprings.springs.path_ends import MESH_ERROR
 
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
 ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
+# Below it what extrapolation leaves was up to three times the error of the own mesh (sections of sand and clay at 0.8)
+FINE_ENOUGH = 1.0  # refinement of a preset
+TOO_COARSE = f"reactions of one mesh: below refinement {FINE_ENOUGH:g} extrapolation from two may double their error"
 LEAST_RATIO = 1.6  # of the cells: closer meshes would multiply what is not of the mesh, such as tolerances and steps
 
 Compute = Callable[..., Computed]
@@ -288,7 +291,9 @@ def _estimated(scene: Scene, result: Computed, companions: Companions) -> Comput
     coarse, made = companions.trees[n], result
     ratio = two_mesh.cell_ratio(scene, two_mesh.coarser(scene))
     given: dict[str, Any] = {"ratio": ratio, "richer": None if n is None else companions.richer.get(n + 2)}
-    if ratio is not None and ratio > LEAST_RATIO:
+    if ratio is not None and ratio > LEAST_RATIO and scene.mesh.refinement < FINE_ENOUGH:
+        record.remarks.append(TOO_COARSE)
+    elif ratio is not None and ratio > LEAST_RATIO:
         richer = given["richer"]
         vertical = {path.name for path in vertical_paths(scene)}  # axisymmetric
         whole = richer is not None and _names(coarse) - vertical <= _names(richer)  # a fan is corrected as a whole

@@ -19,6 +19,7 @@ import xarray as xr
 
 from pysprings.core.errors import UserInputError
 from pysprings.core.words import ESTIMATES
+from pysprings.full_model.accuracy import own_estimate
 from pysprings.full_model.compute import compute, run
 from pysprings.scene.load import load_scene
 from pysprings.springs.checks import open_springs, save_springs
@@ -127,8 +128,9 @@ def test_no_axis_can_have_a_name_of_the_dataset(ended):
         assert {*data.variables, *data.dims} - {"young_modulus", "mu"} == {*dataset.NAMES} - {"case"}
 
 
-def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path):
+def test_a_case_of_a_series_has_the_springs_of_a_run(tmp_path, monkeypatch):
     """Extrapolated from two meshes; a case whose estimate failed has the reason, and no share of its paths."""
+    monkeypatch.setattr(own_estimate, "FINE_ENOUGH", 0.0)
     planned = study.planned(make(tmp_path), tmp_path / "out")
     mesh = {"discretisation": "fourier", "refinement": 0.5, "harmonics": 2}
     scene = tiny.sand(mesh=mesh, paths=({"name": "pull", "kind": "pull", "lateral_displacement": 4e-3},))
