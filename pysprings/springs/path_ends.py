@@ -109,8 +109,10 @@ def steps_before_cavitation(path: xr.Dataset) -> int:
 
 def earlier_end(shorter: xr.Dataset, whole: xr.Dataset, other: xr.Dataset, name: str) -> dict[str, Any]:
     """Return the attributes of a path made of two, as far as the shorter one; `name` is of the other."""
-    source, by = (whole, "") if shorter.sizes["step"] == whole.sizes["step"] else (other, f"as path '{name}': ")
-    attrs = {k: by * (k == "end_reason") + source.attrs[k] for k in ("end", "end_reason") if k in source.attrs}
+    source = whole if shorter.sizes["step"] == whole.sizes["step"] else other
+    attrs = {key: source.attrs[key] for key in ("end", "end_reason") if key in source.attrs}
+    if source is other and attrs.get("end_reason"):
+        attrs["end_reason"] = f"as path '{name}': {attrs['end_reason']}"
     return attrs | end_numbers(shorter) if attrs else {}
 
 

@@ -34,9 +34,9 @@ from pysprings.springs.path_ends import MESH_ERROR
 
 # Collapse loads of clay fall more slowly with the cells than those of sand (data/evidence/sections.csv).
 ORDERS = {FRICTIONAL: 2.0, COHESIVE: 1.7}
-# Below it what extrapolation leaves was up to three times the error of the own mesh (sections of sand and clay at 0.8)
+# Below it extrapolation left up to three times the error of the own mesh (data/evidence/extrapolation-below-coarse.csv)
 FINE_ENOUGH = 1.0  # refinement of a preset
-TOO_COARSE = f"reactions of one mesh: below refinement {FINE_ENOUGH:g} extrapolation from two may double their error"
+TOO_COARSE = f"reactions of one mesh: below refinement {FINE_ENOUGH:g} extrapolation from two may triple their error"
 LEAST_RATIO = 1.6  # of the cells: closer meshes would multiply what is not of the mesh, such as tolerances and steps
 
 Compute = Callable[..., Computed]

@@ -11,10 +11,12 @@ from fe_engine.contact.law import Slide
 from fe_engine.conventions import REGIME_ELASTIC
 from fe_engine.elements import fourier as elements
 from fe_engine.errors import LawError, LinearSolverError, ModelError
+from fe_engine.linear.preconditioner import Control
 from fe_engine.material import Material
 from fe_engine.soil import elastic
 from fe_engine.soil.law import Point
-from fe_engine.solve.fourier_stage import FourierStage
+from fe_engine.solve.fourier_near import NearProduct
+from fe_engine.solve.fourier_stage import FourierStage, Preconditioner, Room
 from fe_engine.solve.stage import Balance
 from fe_engine.state import State
 from tests.support.fourier_models import disc, moved, on_plate, random_move, run, start
@@ -202,6 +204,20 @@ def test_a_step_solves_the_bordered_system(body):
     assert np.abs(left[:-3]).max() < 1e-7 * np.abs(linear.free).max()
     assert left[-2] == pytest.approx(0.0, abs=1e-7 * np.abs(linear.border).max())  # w: no force imposes it
     assert left[-1] == pytest.approx(-2.0 * left[-3], rel=1e-6)  # u and rotation: by one force at a height
+
+
+@pytest.mark.parametrize("body", [lambda model: model, on_plate])
+def test_what_starts_gmres_is_that_of_all_factors(body):
+    """In single precision, of nodes of elements that yield alone; rhs has forces everywhere, and the border's."""
+    system, state, rng = moved(body(disc(2, contact=SOFT, skew=True)))
+    _, _, tangent = system.linearise(state, True)
+    p = Preconditioner(system, tangent, Control(np.zeros(3), np.eye(3), np.eye(3)), Room({}), True)
+    rhs, yielding = rng.standard_normal(p.size), system.yielding(tangent)
+    rhs[: system.pattern.held.size][system.pattern.held.ravel()] = 0.0
+    whole = system.plastic_product(tangent, p.solve(rhs)[: system.pattern.n_moving])
+    near = NearProduct(system, tangent, yielding, p.rest, p.interface).behind(*p.halfway(rhs)[:2])
+    known = whole[system.pattern.equation[yielding[1]].ravel()]
+    np.testing.assert_allclose(near, known, atol=1e-4 * np.abs(known).max())
 
 
 def test_elastic_soil_takes_no_iteration():

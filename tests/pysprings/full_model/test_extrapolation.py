@@ -57,6 +57,13 @@ def found() -> Computed:
     return run_into(None, scene(), RunOptions(), Sink())
 
 
+def test_a_mesh_below_those_of_the_presets_keeps_its_reactions(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(own_estimate, "FINE_ENOUGH", 1.0)
+    ran = run_into(None, scene(paths=(PULL,)), RunOptions(), Sink())
+    own, kept = (paths_of(ran.tree, of_mesh=each)["pull"] for each in (True, False))
+    assert own["H"].tolist() == kept["H"].tolist() and own_estimate.TOO_COARSE in ran.record.remarks
+
+
 def test_what_is_linear_in_the_reactions_is_kept() -> None:
     tree, springs = found().tree, extract_springs(found().tree)
     own, better = paths_of(tree, of_mesh=True), paths_of(tree)
