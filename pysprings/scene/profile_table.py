@@ -297,6 +297,9 @@ def row_ends(table: Table, values: dict[str, Array]) -> tuple[Array, Array]:
     ends = np.stack([top, values.get("bottom", none)], axis=1)
     flat = ends[np.isfinite(ends)]
     if flat.size and flat.min() < min(flat.max(), 0.0) and not (np.diff(flat) > 0.0).any():
+        if abs(flat[0]) > SAME:
+            text = f"{table.place}: elevations: the first one, {flat[0]:g} m, is taken as mudline"
+            warnings.warn(text, TableNote, stacklevel=2)
         ends = flat[0] - ends
     return ends[:, 0], ends[:, 1]
 

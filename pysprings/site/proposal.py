@@ -408,9 +408,7 @@ def _given(unit: Unit, beds: Sequence[Bed]) -> None:
 
 
 def _measured(unit: Unit, points: Points, inside: Marks, ends: Array, correlated: set[str]) -> None:
-    """Put the line through the points inside into a layer, low and high at the tenth and ninetieth per cent of ratios.
-
-    Ratios are those of the values to the line.
+    """Put the line through the points inside into a layer, low and high at a tenth and nine tenths of ratios to it.
 
     Fewer points than `FEWEST_POINTS` count only for keys that are not ``correlated`` with a test beside them.
     """
@@ -487,9 +485,8 @@ def _correlated(unit: Unit, rows: Rows, depth: Array, ends: Array, correlations:
 def _line(depth: Array, values: Array, ends: Array, key: str) -> Array:
     """Return the values (2,) at the ends of a layer: a line by least squares without its outliers, or the mean twice.
 
-    A line needs values over half of the layer.
-
-    The line stays between half of the least and twice the greatest value that counts, where it goes beyond the data.
+    A line needs values over half of the layer. Beyond the data it stays between half of the least and twice the
+    greatest value that counts.
     """
     if key not in LINEAR or len(values) < FEWEST_POINTS or np.ptp(depth) < 0.5 * (ends[1] - ends[0]):
         return np.full(2, float(np.mean(values)))

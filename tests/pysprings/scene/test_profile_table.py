@@ -128,10 +128,8 @@ def test_tables_that_are_no_profile_are_refused(tmp_path, table, message):
 
 def test_a_hundred_layers_are_accepted(tmp_path):
     rows = "".join(f"{0.05 * k:g},{200 + k},30,9\n" for k in range(100))
-    assert (
-        len(load_scene(write(tmp_path, "top [m],young modulus [MPa],phi [deg],gamma' [kN/m3]\n" + rows)).soil.layers)
-        == 100
-    )
+    table = "top [m],young modulus [MPa],phi [deg],gamma' [kN/m3]\n" + rows
+    assert len(load_scene(write(tmp_path, table)).soil.layers) == 100
 
 
 def test_a_missing_table_and_two_descriptions_are_refused(tmp_path):
@@ -174,9 +172,11 @@ def test_openpiles_columns_become_layers(tmp_path):
 
 
 def test_elevations_count_from_the_first_top(tmp_path):
+    """That is said: points at z -2, -5, -10 m below a mudline at 0 would stand 2 m too high."""
     file = write(tmp_path, OPENPILE.replace("-12.0", "-42").replace("-6.0", "-36").replace(",0.0,", ",-30,"))
     file.write_text(CLAY)
-    assert load_scene(file).ground.lines == (6.0,)
+    with pytest.warns(UserWarning, match=r"elevations: the first one, -30 m, is taken as mudline"):
+        assert load_scene(file).ground.lines == (6.0,)
 
 
 @pytest.mark.parametrize(
