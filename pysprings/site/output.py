@@ -166,14 +166,10 @@ def cells(proposal: Proposal, files: Sequence[str]) -> list[list[Any]]:
 
 def _mark(unit: Unit) -> str:
     """Return what results of a layer have to state: its remark, values on correlations outside their range."""
-    odd = [shown.symbol for key, shown, value in _of(unit) if key in unit.written and _beyond(value)]
+    odd = [shown.symbol for key, shown, value in _of(unit)
+           if key in unit.written and not all(each.endswith("left out") for each in value.outside)]  # fmt: skip
     outside = f"{', '.join(odd)} outside the range of their correlations" if odd else ""
     return "; ".join(filter(None, (unit.remark, unit.unknown, outside)))
-
-
-def _beyond(value: Value) -> bool:
-    """Return whether a correlation that counts is outside its range."""
-    return any(not each.endswith("left out") for each in value.outside)
 
 
 def write_table(rows: Sequence[Sequence[Any]], path: Path) -> None:

@@ -86,7 +86,7 @@ class Value:
 class Unit:
     """A proposed layer: ends [m], name, "sand" or "clay", median I_c, rows of the test, law, values by key.
 
-    ``remark`` : of the layer in a file, which stays with it.  ``unknown`` : where the test measured nothing.
+    ``remark`` : of the layer in a file, which stays with it.  ``unknown`` : lengths without rows, sand in clay.
     """
 
     top: float
@@ -344,7 +344,8 @@ def _fill(
     if site.points is not None:
         _measured(unit, site.points, own_points, ends, {each.gives for each in correlations} if unit.rows else set())
     if own.any():
-        _correlated(unit, part, depth[own], ends, correlations)
+        counted = _without_sand(unit, own, rows.index)
+        _correlated(unit, rows.part(counted), depth[counted], ends, correlations)
     phi = unit.values.get("friction_angle_final")
     by_density = "relative_density" in unit.values and not (phi and phi.measured)
     unit.law = unit.law or ("tresca" if unit.kind == "clay" else "sand" if by_density else "van-eekelen")
@@ -352,6 +353,16 @@ def _fill(
     if {"plasticity_index", "undrained_shear_strength"} <= unit.written.keys():
         _consolidated(unit, part.effective, depth[own])
     _remark(unit)
+
+
+def _without_sand(unit: Unit, own: Marks, index: Array) -> Marks:
+    """Return which rows of a layer count: in clay none that is sand by its I_c, where more than half is none."""
+    sandy = own & (index < TRANSITION[0])
+    if unit.kind != "clay" or not (share := sandy.sum() / own.sum()) < 0.5:
+        return own
+    text = f"{share:.0%} of the rows are sand (I_c below {TRANSITION[0]:g}) and do not count" if share > MARKED else ""
+    unit.unknown = "; ".join(filter(None, (unit.unknown, text)))
+    return own & ~sandy
 
 
 def _consolidated(unit: Unit, effective: Array, depth: Array) -> None:

@@ -109,6 +109,19 @@ def test_a_row_of_the_next_layer_leaves_the_lines_in_sight(tmp_path) -> None:
     assert panel.get_xlim() == pytest.approx((0.0, 2e-3 * strength))
 
 
+def test_rows_of_sand_in_a_layer_of_clay_do_not_count(tmp_path) -> None:
+    """A seam of 0.3 m with su 44 kPa in a layer of 0.5 m, the thinnest: su fell from 479 to 22 kPa."""
+    z = np.round(np.arange(0.02, 8.0, 0.02), 2)
+    seam = (z >= 4.0) & (z < 4.3)
+    rows = zip(z, np.where(seam, 0.616 + 0.018 * z, 10.0), np.where(seam, 0.02, 0.06), strict=True)
+    (tmp_path / "cpt.csv").write_text("z [m],qc [MPa],fs [MPa]\n" + "\n".join(f"{a},{b:.4f},{c}" for a, b, c in rows))
+    assert command("ground", tmp_path / "cpt.csv", "--out", tmp_path / "site.csv", "--no-figures").code == 0
+    (clay,) = (each for each in read_layers(tmp_path / "site.csv") if each["law"] == "tresca")
+    ends = [float(text.split()[0]) for text in clay["undrained_shear_strength"]["best"].values()]
+    assert ends == pytest.approx([44.0, 44.0], rel=0.03)
+    assert "40% of the rows are sand (I_c below 2.5) and do not count" in clay["remark"]
+
+
 def test_low_is_the_softest_and_high_the_stiffest_of_every_value(cpt) -> None:
     for layer in proposal(cpt)["layers"]:
         for key, value in layer["values"].items():
