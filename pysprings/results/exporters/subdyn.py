@@ -19,6 +19,7 @@ from pysprings.core.errors import Problem, UserInputError, refused
 from pysprings.core.path_kinds import has_free_head
 from pysprings.core.text import commented, plain_table
 from pysprings.core.units import QuantityError, read
+from pysprings.core.words import sudden
 from pysprings.macro.answer import MacroWarning
 from pysprings.macro.model import MacroModel
 from pysprings.macro.stiffness import Load, Question, secant, stiffness_six
@@ -33,7 +34,7 @@ _HEAD = (
     f"H and M on the path ('-': below {100 * SMALL:g} % of the other load):"
 )
 AT_REST = (
-    "linear: stiffness at rest, before any load, the dead load too; beside it secants of the springs, and its errors"
+    "linear: stiffness at rest{}, before any load, the dead load too; beside it secants of the springs, and its errors"
 )
 _UP = (1.0, 1.0, -1.0, 1.0, 1.0, 1.0)  # z of the programs over w, which is down
 # of the option at: unit, and an example
@@ -78,7 +79,8 @@ def linear(springs: Springs, options: Options) -> Linear:
     of_rate = [] if rate is None else [f"of the springs at {1e3 * float(rate):.4g} mm/s (of rho)"]
     if at is None:
         matrix = at_lid(springs)
-        beside = [AT_REST, *_mean(springs), *of_rate, *secants(springs), *linear_errors(springs, matrix[_LATERAL])]
+        at_rest = AT_REST.format(sudden(springs.drainage))
+        beside = [at_rest, *_mean(springs), *of_rate, *secants(springs), *linear_errors(springs, matrix[_LATERAL])]
         return Linear(matrix, "stiffness at rest", beside)
     question: Question = {**at, "secant": options["matrix"] == "secant", "symmetric": True}
     with warnings.catch_warnings(record=True, action="always", category=MacroWarning) as marks:

@@ -17,6 +17,7 @@ from pysprings.macro.predict import impose, sequence
 from pysprings.macro.stiffness import stiffness_six
 from pysprings.macro.vertical_answer import with_vertical_use
 from pysprings.results import exporters
+from pysprings.results.exporters.subdyn import linear
 from pysprings.springs.card import stiffness_text
 from pysprings.springs.checks import save_springs
 from pysprings.springs.path import SpringPath, paths_of, same_way
@@ -289,10 +290,12 @@ def test_an_initial_stiffness_where_water_flows_is_named_as_that_of_a_sudden_loa
     """A slow load meets a softer, drained one; springs of drained ground have no such words."""
     drained, coupled = synthetic.make_springs(RAYS), at_two_rates()
     words = "(of a load so sudden that no water moves)"
-    for text in (stiffness_text(Springs.of(coupled)), stiffness_six(coupled).attrs["long_name"]):
+    options = {"at": None, "rate": None}
+    files = [linear(Springs.of(tree), options).lines[0] for tree in (coupled, drained)]
+    for text in (stiffness_text(Springs.of(coupled)), stiffness_six(coupled).attrs["long_name"], files[0]):
         assert words in text
     one = Springs.of(coupled).at_rate(1e-3)
     with pytest.warns(MacroWarning, match=r"elastic vertical stiffness \(of a load so sudden"):
         impose(one, u=1e-3, rotation=0.0, V=1.05 * REST)
-    for text in (stiffness_text(Springs.of(drained)), stiffness_six(drained).attrs["long_name"]):
+    for text in (stiffness_text(Springs.of(drained)), stiffness_six(drained).attrs["long_name"], files[1]):
         assert words not in text
