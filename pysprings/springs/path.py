@@ -76,8 +76,8 @@ class RecordedPath:
 
     @property
     def known(self) -> xr.Dataset:
-        """All steps; of a path that springs are made from, those before cavitation."""
-        return before_cavitation(self.recorded) if self.calibrates else self.recorded
+        """The steps before cavitation; of a path for the memory of springs all."""
+        return self.recorded if self.remembers else before_cavitation(self.recorded)
 
     def _converged(self) -> xr.Dataset:
         if "converged" not in self.recorded.variables:
@@ -120,8 +120,8 @@ class RecordedPath:
 
     @property
     def remembers(self) -> bool:
-        """True where the memory of springs is made from the path."""
-        return self.role == MEMORY
+        """True where the memory of springs is made from the path; one of a table has no role."""
+        return self.attrs.get("role") == MEMORY
 
     @cached_property
     def load_changes(self) -> bool:
@@ -277,9 +277,9 @@ class SpringPath(RecordedPath):
 
     @cached_property
     def dataset(self) -> xr.Dataset:
-        """The converged steps, with the name as attribute ``path``; where springs are made, those before cavitation."""
+        """The converged steps, of a memory's or before cavitation, with the name as attribute ``path``."""
         found = self._converged()
-        return before_cavitation(found) if self.calibrates else found.drop_vars(MARGIN, errors="ignore")
+        return found.drop_vars(MARGIN, errors="ignore") if self.remembers else before_cavitation(found)
 
     def at_steps(self, steps: Sequence[int]) -> Self:
         """Return the path with some of its converged steps alone, by number."""

@@ -86,7 +86,8 @@ def test_tables_of_springs_end_where_the_water_would_cavitate(springs, tmp_path)
         exporters.export(tree, each, tmp_path / name)
     for name in ("py.csv", "py_wide.csv"):
         ends = pd.read_csv(tmp_path / name).groupby("path")["step"].max()
-        assert ends.to_dict() == {"pull": k - 1, "high": STEPS - 1}  # what is held back is no spring
+        assert ends.to_dict() == {"pull": k - 1, "high": k - 1}
+    assert set(compare(tree)["states"]) == {k - 1}  # a path held back measures no springs on suction that is not there
     book = openpyxl.load_workbook(tmp_path / "springs.xlsx")
     for sheet in ("p-y", "base", "load-displacement"):
         assert [row[0] for row in book[sheet].values].count("pull") == k
