@@ -164,7 +164,8 @@ def _largest_vertical(model: "MacroModel") -> str:
 
     branches = model.vertical.branches if model.vertical else ()
     known = [(word, *largest_vertical(model, sign)) for word, sign in (("push", 1.0), ("pull", -1.0))]
-    parts = [f"{word} {1e-6 * V:.4g} MN ({kind})" for word, V, kind, _ in known if kind]
+    ways = [(word, V, "; ".join([kind, *of.split("; ")[1:]])) for word, V, kind, of in known if kind]  # why it stopped
+    parts = [f"{word} {1e-6 * V:.4g} MN ({end})" for word, V, end in ways]
     least = min((each.largest for each in branches), default=0.0)
     parts += [f"nothing below {1e-6 * least:.4g} MN"] if least > 0.0 else []
     paces = dict.fromkeys(number(1e3 * each.rate) for each in branches if each.rate and model.rate)

@@ -186,7 +186,12 @@ def test_vertical_loads_stand_in_the_summary() -> None:
     assert _vertical(SimpleNamespace(springs=fan_springs(potential))) == ""
     pushed = fan_with_vertical()  # its path upwards ends under pressure: what is below has no answer
     up = next(path for path in pushed["paths"].children.values() if float(path["V"][-1]) < 0.0)
-    up.dataset = up.to_dataset(inherit=False).isel(step=slice(int((up["V"].values > 0.0).sum())))
+    lifted = up.to_dataset(inherit=False)
+    margin = np.where(np.arange(lifted.sizes["step"]) < 12, 1e5, -1e3)
+    up.dataset = lifted.assign(cavitation_margin=("step", margin, {"units": "Pa"}))
+    words = "MN (end of the range; it stopped: the water would cavitate beyond, at w"
+    assert words in _vertical(SimpleNamespace(springs=pushed)).split(", pull ")[1]
+    up.dataset = lifted.isel(step=slice(int((lifted["V"].values > 0.0).sum())))
     assert f"MN (end of the range), nothing below {1e-6 * float(up['V'][-1]):.4g} MN" in _vertical(
         SimpleNamespace(springs=pushed)
     )
