@@ -2,10 +2,12 @@
 """The numbers of the tutorials and of the first-run page are those that the commands print, to two digits."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
+from tests.support.commands import command
 from tools.tutorials import PAGES, STORED, blocks
 
 NUMBER = re.compile(r"(?<![\w.])-?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?(?![\w]*\.(?:md|toml|csv))", re.I)
@@ -66,6 +68,13 @@ def test_numbers_in_the_words_of_a_page_are_printed_by_its_commands(name: str) -
     known += [scale * each for each in values(loads) for scale in (1e-6, 1e-3, 1e3)]
     shown = [text for text in NUMBER.findall(prose) if "." in text or abs(float(text.replace(",", ""))) > SMALL]
     assert not [text for text in shown if not is_rounded(text, known)], f"{name}: no command of the page prints these"
+
+
+def test_the_stored_proposal_of_the_ground_is_todays(tmp_path, monkeypatch) -> None:
+    """A row at 5 m had moved from the sand to the clay: D_r 0.588 was stored where the command printed 0.599."""
+    monkeypatch.chdir(shutil.copytree(STORED, tmp_path / "site"))
+    done = command("ground", "site-cpt.gef", "site-lab.csv", "--depth", "24 m", "--out", "site.csv", "--no-figures")
+    assert done.out and done.out in Path("site.txt").read_text(encoding="utf-8")
 
 
 def test_every_page_has_what_its_commands_print() -> None:
