@@ -52,7 +52,7 @@ from pysprings.site.sounding import (
 
 # by depth; the others are means of a layer
 LINEAR = ("undrained_shear_strength", "shear_modulus", "young_modulus", "cohesion")
-_HALF, _OCR = "strain_at_half_strength", "overconsolidation_ratio"
+_HALF, _OCR, _WEIGHT = "strain_at_half_strength", "overconsolidation_ratio", "effective_unit_weight"
 WITH_STRAIN = ("degradation_strain", _HALF)  # for stiffnesses of small strains alone
 FLOORS = {"shear_modulus": 0.2}  # least share by which low and high are off: correlations that agree are no proof
 # of points, not used: stiffnesses of the strains of the load, and values that differ by decades
@@ -161,7 +161,7 @@ def propose(site: Site, options: Options) -> Proposal:
     """
     chosen, site = _chosen(site.soundings, options), site.down_to(options.depth)
     if chosen is not None:
-        (rows, odd), depth = _rows(chosen, site.beds), chosen.depth
+        (rows, odd), depth = _rows(chosen, site.beds, site.points), chosen.depth
         units = _units(chosen, rows, site.beds, options.most)
         notes = [*chosen.notes, *odd, "stresses count from mudline down, with water above it"]
     else:
@@ -208,19 +208,25 @@ def _chosen(soundings: Sequence[Sounding], options: Options) -> Sounding | None:
     return replace(chosen, area_ratio=options.area_ratio, notes=notes)
 
 
-def _rows(test: Sounding, beds: Sequence[Bed]) -> tuple[Rows, list[str]]:
+def _rows(test: Sounding, beds: Sequence[Bed], points: Points | None) -> tuple[Rows, list[str]]:
     """Return what correlations read, and a note where it has a unit weight of other depths.
 
-    Unit weights are those of the layers that give one, elsewhere of Robertson and Cabal (2010).
+    Unit weights are those of the layers that give one, elsewhere between points that do, else of Robertson and Cabal
+    (2010).
     """
     depth, sleeve = test.depth, test.sleeve
     weight = np.full(depth.shape, np.nan)
+    if points is not None and (measured := points.values.get(_WEIGHT)) is not None:
+        order = np.argsort(points.depth)
+        order = order[np.isfinite(measured[order])]
+        if len(order) >= FEWEST_POINTS:
+            weight = np.interp(depth, points.depth[order], measured[order] + WATER, left=np.nan, right=np.nan)
     of = layers_of(beds, depth)
     for k, bed in enumerate(beds):
-        if "effective_unit_weight" not in bed.values:
+        if _WEIGHT not in bed.values:
             continue
         own = of == k
-        ends = [value + WATER for value in bed.values["effective_unit_weight"]]
+        ends = [value + WATER for value in bed.values[_WEIGHT]]
         weight[own] = np.interp(depth[own], [bed.top, bed.bottom], ends)
     if (good := np.isfinite(sleeve)).any():
         whole = unit_weight(test.total_cone, np.interp(depth, depth[good], sleeve[good]))

@@ -286,6 +286,13 @@ def test_a_layer_without_unit_weight_has_not_that_of_its_neighbours(cpt, tmp_pat
     assert text in propose(read_site([cpt, log]), Options()).notes
 
 
+def test_measured_unit_weights_count_in_the_stresses(cpt, tmp_path) -> None:
+    """They stood in the table alone: in very soft clay su of the same row was three times that of its stress."""
+    (tmp_path / "lab.csv").write_text("Depth [m],Total unit weight [kN/m3]\n9,17\n0,17\n20,17\n")
+    found = propose(read_site([cpt, tmp_path / "lab.csv"]), Options())
+    assert found.rows.effective == pytest.approx(found.depth * (17e3 - GAMMA))
+
+
 def test_one_of_several_tests_is_chosen_by_name(tmp_path) -> None:
     lines = sand_over_clay().splitlines()
     rows = [f"{line},{name}" for name in ("A", "B") for line in lines[1:]]
