@@ -120,7 +120,7 @@ def on_finer_slices(path: xr.Dataset, finer: xr.Dataset, length: float) -> xr.Da
     A spline through few slices overshoots where p jumps from layer to layer. Without two states of the finer mesh that
     move on the path is returned as it is.
     """
-    of = driver_of(finer, length)
+    of = driver_of(finer, length) if finer.sizes["step"] else np.zeros(0)
     on = leading(of)
     if on.size < 2:
         return path
