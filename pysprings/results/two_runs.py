@@ -4,7 +4,7 @@
 import math
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,12 @@ from pysprings.core.arrays import Array
 from pysprings.core.loads import same_load
 from pysprings.core.path_kinds import height_of_load
 from pysprings.core.text import number, percent
-from pysprings.core.variables import EXTRAPOLATED
+from pysprings.core.variables import EXTRAPOLATED, known_torsion
 from pysprings.full_model.run_record import RunRecord
 from pysprings.macro.measures import carried
 from pysprings.results.parts import node
-from pysprings.springs.path import RecordedPath, is_rate, paths_of, space_paths_of
-from pysprings.springs.path_ends import before_cavitation, end_of
+from pysprings.springs.path import RecordedPath, SpacePath, is_rate, paths_of, space_paths_of
+from pysprings.springs.path_ends import RESIDUAL, before_cavitation, end_of
 
 POINTS = 200  # of the range that both paths have, where their loads are compared
 
@@ -104,30 +104,57 @@ def _stiffness(first: Run, second: Run) -> Iterator[Row]:
         ("V per w", "MN/m", 1, 1),
     ):  # fmt: skip
         yield _row("initial stiffness", words, unit, 1e-6 * float(a[i, j]), 1e-6 * float(b[i, j]))
+    torsion = [1e-6 * known for each in (first, second) if (known := known_torsion(each.result.attrs)) is not None]
+    if len(torsion) == 2:
+        yield _row("initial stiffness", "T per rotation", "MN m/rad", *torsion)
 
 
 def _paths(first: Run, second: Run) -> Iterator[Row]:
-    common = common_paths(first, second)
-    kinds = [
-        {name: path.kind for name, path in (paths_of(run.result) | space_paths_of(run.result)).items()}
-        for run in (first, second)
-    ]
-    for name in (name for name in dict.fromkeys([*kinds[0], *kinds[1]]) if name not in common):
-        yield Row(f"path {name}", "not compared", kinds[0].get(name, "-"), kinds[1].get(name, "-"))
+    one, other = ({**paths_of(run.result), **space_paths_of(run.result)} for run in (first, second))
+    across = [
+        name for name, path in space_paths_of(first.result).items()
+        if isinstance(other.get(name), SpacePath) and path.kind == other[name].kind
+    ]  # fmt: skip
+    common = [*common_paths(first, second), *across]
+    for name in (name for name in dict.fromkeys([*one, *other]) if name not in common):
+        kinds = [each[name].kind if name in each else "-" for each in (one, other)]
+        yield Row(f"path {name}", "not compared", kinds[0], kinds[1])
     for name in common:
-        a, b = (paths_of(each.result)[name] for each in (first, second))
+        a, b = one[name], other[name]
         if not same_load(a.load, b.load):
             yield _row(f"path {name}", "V at its start", "kN", 1e-3 * a.load, 1e-3 * b.load)
-        if a.rate and b.rate and not is_rate(a.rate, b.rate):
-            yield _row(f"path {name}", "rate", "mm/s", 1e3 * a.rate, 1e3 * b.rate)
         heights = [height for each in (a, b) if (height := height_of_load(each.attrs)) is not None]
         if len(heights) == 2 and not math.isclose(*heights):
             yield _row(f"path {name}", "height of its load", "m", *heights)
+        if isinstance(a, SpacePath) and isinstance(b, SpacePath):
+            yield from _in_space(
+                f"path {name}", a, b, [0.5 * each.result.attrs["outer_diameter_m"] for each in (first, second)]
+            )
+            continue
+        if a.rate and b.rate and not is_rate(a.rate, b.rate):
+            yield _row(f"path {name}", "rate", "mm/s", 1e3 * a.rate, 1e3 * b.rate)
         yield from _along(f"path {name}", a, b)
         yield Row(f"path {name}", "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
-        one, other = (end_of(name, before_cavitation(each.dataset)) for each in (a, b))
-        if one.failed or other.failed:
-            yield Row(f"path {name}", "end", one.words, other.words)
+        ends = [end_of(name, before_cavitation(each.dataset)) for each in (a, b)]
+        if any(end.failed for end in ends):
+            yield Row(f"path {name}", "end", ends[0].words, ends[1].words)
+
+
+def _in_space(part: str, a: SpacePath, b: SpacePath, radii: list[float]) -> Iterator[Row]:
+    """Yield the largest H, M and T of both on the way that both have come, and their largest difference there."""
+    motions = [path.motions(R) for path, R in zip((a, b), radii, strict=True)]
+    ways = [np.linalg.norm(np.diff(each, axis=0, prepend=each[:1]), axis=1).cumsum() for each in motions]
+    grid = np.unique(np.minimum(np.concatenate(ways), min(way[-1] for way in ways)))
+    one, other = (
+        np.array([np.interp(grid, *growing(way, load)) for load in path.loads(radii[0]).T])
+        for way, path in zip(ways, (a, replace(b, length=a.length)), strict=True)
+    )
+    for name, rows, arm in (("H", [0, 2], 1.0), ("M", [1, 3], a.length), ("T", [4], radii[0])):
+        sizes = [float(np.linalg.norm(each[rows], axis=0).max()) for each in (one, other, other - one)]
+        if sizes[0] > RESIDUAL * np.abs(one).max():
+            yield _row(part, f"largest {name}", LOAD_UNITS[name][0], *(1e-3 * arm * size for size in sizes[:2]))
+            share = 100.0 * sizes[2] / sizes[0]
+            yield Row(part, f"largest difference of {name}", "", share, unit="% of the largest of the first")
 
 
 def _mesh(run: Run, name: str) -> str:
@@ -164,7 +191,7 @@ def _along(part: str, a: RecordedPath, b: RecordedPath) -> Iterator[Row]:
         yield Row(part, f"largest difference of {load}", "", share, unit="% of the largest of the first")
 
 
-LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
+LOAD_UNITS = {"H": ("kN", 1e-3), "V": ("kN", 1e-3), "M": ("kN m", 1e-3), "T": ("kN m", 1e-3), "rotation": ("mrad", 1e3)}
 
 
 def moved(values: Array, side: float = 0.0) -> Array:

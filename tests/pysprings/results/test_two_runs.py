@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pysprings.core.variables import TORSION
 from pysprings.full_model.run_record import RunRecord
 from pysprings.results.folder import run_to_folder
 from pysprings.results.layout import open_result
 from pysprings.results.two_runs import Run, curve, differences, moved
-from tests.support import tiny
+from tests.support import space_paths, tiny
 from tests.support.commands import command
 
 
@@ -78,6 +79,22 @@ def test_paths_of_one_name_at_different_loads_heights_and_rates_are_marked(folde
     changes = {row.quantity: row.change for row in found if row.part == "path pull"}
     assert changes["V at its start"] == pytest.approx(100e3 / load)
     assert changes["height of its load"] == pytest.approx(50.0) and changes["rate"] == pytest.approx(400.0)
+
+
+def test_paths_off_a_plane_are_compared_on_the_way_that_both_have_come(folders: tuple[Path, Path]) -> None:
+    """A circle of which the second run has a half, with loads a tenth larger; it twists nothing, so T has no row."""
+    trees = [open_result(folders[0]) for _ in range(2)]
+    round_ = space_paths.path(space_paths.circle(1e-3), "circle", "memory")
+    half = round_.isel(step=slice(48))
+    for tree, path, factor in zip(trees, (round_, half), (1.0, 1.1), strict=True):
+        loads = {name: factor * path[name] for name in ("H_x", "H_y", "M_x", "M_y", "T")}
+        tree["space/round"], tree.attrs[TORSION] = xr.DataTree(path.assign(loads)), factor * 3e6
+    found = differences(*(Run(name, tree, RunRecord()) for name, tree in zip("ab", trees, strict=True)))
+    own = {row.quantity: row for row in found if row.part == "path round"}
+    assert own["largest H"].change == pytest.approx(10.0, abs=1e-6)
+    assert own["largest H"].first == pytest.approx(1e-3 * float(np.hypot(half["H_x"], half["H_y"]).max()), rel=1e-6)
+    assert own["largest difference of H"].second == pytest.approx(10.0, abs=1e-6) and "largest T" not in own
+    assert next(row for row in found if row.quantity == "T per rotation").change == pytest.approx(10.0)
 
 
 def test_layers_of_one_name_are_compared_each_with_its_own(folders: tuple[Path, Path]) -> None:
