@@ -368,15 +368,16 @@ def boundaries(depth: Array, index: Array, net: Array, effective: Array, most: i
 
 
 def _cells(depth: Array, index: Array, net: Array) -> tuple[Array, Array]:
-    """Return the edges (m + 1,) of cells that hold values, and the medians (m, 2) of I_c and ln ``net`` in them."""
+    """Return edges (m + 1,) of cells with values, half of a gap in each, and medians (m, 2) of I_c and ln ``net``."""
     height = max(CELL, float(depth[-1] - depth[0]) / CELLS)
     at = np.floor((depth - depth[0]) / height + 1e-9).astype(int)
     good = np.isfinite(index) & (net > 0.0)
     edges, values = [float(depth[0])], []
-    for cell in np.unique(at[good]):
+    cells = np.unique(at[good])
+    for cell, below in zip(cells, [*cells[1:], cells[-1:].sum() + 1], strict=False):
         rows = good & (at == cell)
         values.append([float(np.median(index[rows])), float(np.median(np.log(net[rows])))])
-        edges.append(min(float(depth[0] + (cell + 1) * height), float(depth[-1])))
+        edges.append(min(float(depth[0] + 0.5 * (cell + 1 + below) * height), float(depth[-1])))
     return np.array(edges), np.array(values)
 
 
