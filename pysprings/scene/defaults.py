@@ -32,6 +32,7 @@ Row = dict[str, Any]  # of a value by default: key, value (a number in `unit`, o
 _SECTIONS = ("caisson", "domain", "interface", "drainage", "mesh", "solver", "limit")
 _NUMERICAL = ("mesh.", "solver.", "limit.", "domain.", "interface.normal_stiffness", "interface.shear_stiffness")
 _STEEL = ("young_modulus", "poisson_ratio")
+_BRICKS = "; bricks hold the nodes within it alone, a smaller patch: K_M was 4 to 17 % below that of series"
 _FLOW = ("transversal_conductivity", "residual_aperture")
 
 
@@ -80,6 +81,7 @@ def remarks(scene: SceneSections) -> list[str]:
         "caisson.behaviour: loads act on a stiff patch of a quarter of the lid's radius, around which the lid bends as "
         f"a plate of {scene.caisson.lid_thickness:g} m without stiffeners: rotation, w, their "
         "stiffness and the point of rotation have that share, beside m, t and tip, too: the skirt turns and sinks less"
+        f"{_BRICKS if scene.discretisation == 'hex8' else ''}"
     )
     return of_ground + ([bends] if scene.caisson.behaviour == "elastic" else []) + (off_plane if beyond else [])
 
