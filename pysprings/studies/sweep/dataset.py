@@ -216,10 +216,11 @@ def draw(data: xr.Dataset, quantity: str, over: Sequence[str] = ()) -> Figure:
         if len(chosen) == 1:
             plot.plot(x.values, values.values, "o" if "case" in values.dims else "o-", ms=4)
             plot.set_ylabel(label)
+            plot.set_ylim(*_ends_if_alike(values))
         else:
             _map(figure, plot, (x, data[chosen[1]]), values, label)
         _mark_short(plot, _on(data["status"] == SHORT, chosen, data)[0], [data[name] for name in chosen], values)
-        plot.set_xlabel(_label(x))
+        plot.set(xlabel=_label(x), xscale="log" if _by_ratio(x) else "linear")
         plot.set_title("\n".join(filter(None, (str(data.attrs["title"]), others))), fontsize=9)
     return figure
 
@@ -336,9 +337,30 @@ def _map(figure: Figure, plot: Any, axes: tuple[xr.DataArray, xr.DataArray], val
             plot.legend(fontsize=8)
     else:
         table = values.transpose(str(y.name), str(x.name)).values
-        drawn = plot.pcolormesh(x.values, y.values, np.ma.masked_invalid(table), shading="nearest")
+        drawn = plot.pcolormesh(_edges(x), _edges(y), np.ma.masked_invalid(table))
+    drawn.set_clim(*_ends_if_alike(values))
     figure.colorbar(drawn, ax=plot, label=label)
-    plot.set_ylabel(_label(y))
+    plot.set(ylabel=_label(y), yscale="log" if _by_ratio(y) else "linear")
+
+
+def _by_ratio(axis: xr.DataArray) -> bool:
+    """Return whether an axis is drawn by ratio: its values are positive, over two decades or more."""
+    return bool(0.0 < axis.values.min() <= 0.01 * axis.values.max())
+
+
+def _edges(axis: xr.DataArray) -> Array:
+    """Return the ends of cells around the values of an axis, half way to the next."""
+    middles = np.log(axis.values) if _by_ratio(axis) else axis.values
+    steps = np.diff(middles) if middles.size > 1 else np.ones(1)
+    edges = np.append(middles[0] - 0.5 * steps[0], middles + 0.5 * np.append(steps, steps[-1])[: middles.size])
+    return np.exp(edges) if _by_ratio(axis) else edges
+
+
+def _ends_if_alike(values: xr.DataArray) -> tuple[float | None, float | None]:
+    """Return ends of a scale for values that differ by rounding alone, which it must not show; else none."""
+    low, high = float(values.min()), float(values.max())
+    small = 1e-6 * max(abs(low), abs(high))
+    return (low - 1e3 * small, high + 1e3 * small) if 0.0 < small >= high - low else (None, None)
 
 
 FILE = "study.nc"
@@ -473,7 +495,7 @@ def _make_variables(data: Any, dims: tuple[str, ...], paths: tuple[str, ...]) ->
     for name, (unit, _, text) in BY_PATH.items():
         number(name, ("path",), unit, text)
     for name, (_, _, unit) in STIFFNESSES.items():
-        number(name, (), unit, "initial stiffness at the lid centre")
+        number(name, (), unit, "initial stiffness at the lid centre, where water flows that of a sudden load")
     number("stiffness_initial", ("dof", "dof_conjugate"), "N/m, N, N m")
     for name, (unit, text) in NUMBERS.items():
         number(name, (), unit, text)

@@ -256,6 +256,20 @@ def test_a_picture_has_its_axes_in_order(ended):
         np.testing.assert_array_equal(drawn.get_coordinates(), other.get_coordinates())
 
 
+def test_a_picture_has_decades_by_ratio_and_shows_no_rounding(ended):
+    """Of values from 1e-8 to 1e-4 on a linear axis only the last two were seen; K_H of coupled ground is one number."""
+    with dataset.open_study(ended.out) as data:
+        wide = data.load().assign_coords(mu=[1e-8, 1e-4])
+        alike = wide.assign(K_H=1e9 + 1e-3 * wide["mu"] + 0.0 * wide["K_H"])
+        plot = draw(alike, "K_H", ["young_modulus", "mu"]).axes[0]
+        cells = plot.collections[0]
+        np.testing.assert_allclose(cells.get_coordinates()[:, 0, 1], [1e-10, 1e-6, 1e-2])
+        assert plot.get_yscale() == "log" and plot.get_xscale() == "linear"
+        assert cells.get_clim() == pytest.approx((0.999e9, 1.001e9))
+        assert draw(data, "K_H", ["mu", "young_modulus"]).axes[0].collections[0].get_clim()[1] == data["K_H"].max()
+        assert draw(wide, "K_H", ["mu"]).axes[0].get_xscale() == "log"
+
+
 def test_a_study_without_springs_leaves_no_dataset_of_an_earlier_one(ended, tmp_path):
     for file in (dataset.FILE, dataset.CSV):
         (tmp_path / file).touch()
