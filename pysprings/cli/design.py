@@ -164,6 +164,7 @@ def _answers(
     """Return all answers, those that govern (of several estimates the largest over them), and the springs of one."""
     from pysprings.cli.inputs import springs_or_table
     from pysprings.full_model.run_record import RunRecord
+    from pysprings.results.estimates import shared
     from pysprings.studies.design import governing
 
     sets = all_folders_of(result)
@@ -172,11 +173,10 @@ def _answers(
     if not sets:
         return tables[""], tables[""], opened[""]
     every, largest = governing(tables)
-    own = {name: table.attrs.get("notes", ()) for name, table in tables.items()}
-    by_note = {note: [name for name in own if note in own[name]] for notes in own.values() for note in notes}
     records = {name: RunRecord.read(place) for name, place in sets.items()}
     status = [f"{name} {record.status if record else 'without run.json'}" for name, record in records.items()]
-    notes = [f"estimates: {', '.join(status)}"]
-    notes += [f"{', '.join(names)}: {note}" * (names != [*own]) or note for note, names in by_note.items()]
+    scenes = {name: record.remarks if record else [] for name, record in records.items()}
+    own = {name: [*table.attrs.get("notes", ()), *scenes[name]] for name, table in tables.items()}
+    notes = [f"estimates: {', '.join(status)}", *shared(own)]
     largest.attrs |= next(iter(tables.values())).attrs | {"notes": notes}
     return every, largest, None

@@ -147,7 +147,7 @@ def show_together(folder: Path, estimates: Sequence[str], as_json: bool, quiet: 
     """Write and print what shows the runs side by side; nothing is made of fewer than two with springs."""
     from pysprings.cli.compare import open_run
     from pysprings.cli.results import results
-    from pysprings.results.estimates import table_of, write_together
+    from pysprings.results.estimates import shared, table_of, write_together
 
     files: list[Path] = []
     runs = {name: open_run(place, name) for name, place in folders_of(folder).items() if name in estimates}
@@ -155,6 +155,8 @@ def show_together(folder: Path, estimates: Sequence[str], as_json: bool, quiet: 
         files, loads = write_together(folder, runs)
         if not as_json and not quiet:
             print_table(table_of(loads))
+            for each in shared({name: run.record.remarks for name, run in runs.items()}):
+                to_stderr(f"note: {each}")
     else:
         to_stderr("note: fewer than two estimates have springs: nothing is set side by side")
     if as_json:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Runs of the low, best and high estimate of a scene beside each other: tables, workbook, pictures and page."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -135,10 +135,16 @@ def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
     return write_text("\n".join(lines) + "\n", folder / table)
 
 
+def shared(notes: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the notes of runs, each once, behind the names of those that have it where others do not."""
+    names = {note: [name for name in notes if note in notes[name]] for own in notes.values() for note in own}
+    return [f"{', '.join(of)}: {note}" if of != [*notes] else note for note, of in names.items()]
+
+
 def _status(record: RunRecord) -> str:
-    """Return how a run ended, and the error of its mesh, which its loads have."""
-    error = (record.summary or {}).get("mesh error")
-    return f"{record.status}; mesh error: {error}" if error else str(record.status)
+    """Return how a run ended, the error of its mesh, which its loads have, and remarks on its scene."""
+    words = {"mesh error": (record.summary or {}).get("mesh error"), "remarks": "; ".join(record.remarks)}
+    return "; ".join([str(record.status), *(f"{key}: {text}" for key, text in words.items() if text)])
 
 
 def _page(folder: Path, runs: Mapping[str, Run], common: Paths, loads: pd.DataFrame) -> list[Path]:

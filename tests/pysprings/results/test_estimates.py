@@ -58,6 +58,10 @@ def test_a_folder_for_each_estimate_and_files_of_all(ran: tuple[Path, Result]) -
     assert (folder / "figures" / "pull.png").exists()
     page = (folder / "report.html").read_text()
     assert all(f'href="{name}/report.html"' in page for name in NAMES) and "data:image/png" in page
+    (folder.parent / "cases.csv").write_text("case,H [kN],arm [m]\na,20,0\n")
+    design = command("design", folder, folder.parent / "cases.csv")
+    for text in record["remarks"]:  # on the scene: they stood in the folder of each estimate alone
+        assert text in page and f"note: {text}" in done.err and f"note: {text}" in design.out + design.err, text
     assert "(low estimate)" not in page and page.count("complete; mesh error: ") == len(NAMES)
 
 
