@@ -5,7 +5,7 @@ Headings are `NAME [unit]`, or `NAME from [unit]` and `NAME to [unit]` for value
 groundhog's soil profiles: `Depth from [m]`, `Depth to [m]`, `Soil type`, parameters. `top [m]` and `bottom [m]` stand
 for the depths, too; `law` chooses the law of a layer. A NAME is a key of [soil], with spaces or underscores, or one of
 `NAMES`. A cell "[5, 25]" holds the values at top and bottom. A value with a range has the columns `NAME low [unit]`,
-`NAME best [unit]` and `NAME high [unit]`, or `NAME low from [unit]`, `NAME low to [unit]` and so on.
+`NAME best [unit]` and `NAME high [unit]` (LE, BE, HE or UE, too), or `NAME low from [unit]`, `NAME low to [unit]` ...
 
 With `depth [m]` in place of the ends of layers a row is a point, and values are linear between points. Two points at
 one depth are a layer boundary; points on a straight line make one layer.
@@ -93,6 +93,7 @@ _STRONG = ("friction_angle_final", "undrained_shear_strength", "cohesion", DENSI
 _PARTS = re.compile(rf"(.+?)(?: ({'|'.join(ESTIMATES)}))?(?: (from|to))?")
 _PAIR = re.compile(r"\s*[\[(]\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*[\])]\s*")
 # behind the key in the names of columns
+_SHORT = {"low": ("le",), "best": ("be",), "high": ("he", "ue")}  # lower, best, higher or upper estimate
 _COLUMN_PARTS = ("from", "to", *(f"{each}{end}" for each in ESTIMATES for end in ("", " from", " to")))
 MOST_LAYERS = 100
 REMARK, MOST_WORDS = "remark", 200  # of a layer, letters
@@ -124,7 +125,9 @@ def columns() -> tuple[Column, ...]:
         out.append(Column(key, unit, names, example, "", percent))
         if key not in ("top", "bottom", "depth", VELOCITY):
             for part in _COLUMN_PARTS:
-                others = tuple(f"{name} {part}" for name in names)
+                first, *rest = part.split()
+                parts = [" ".join([each, *rest]) for each in (first, *_SHORT.get(first, ()))]
+                others = tuple(f"{name} {each}" for name in (key.replace("_", " "), *names) for each in parts)
                 out.append(Column(f"{key} {part}", unit, others, example, "", percent))
     for why, names in _SKIPPED.items():
         out += [Column(name, ANY, (f"{name} from", f"{name} to"), skipped=why) for name in names]

@@ -116,9 +116,12 @@ def _with_table(folder, table: str):
     return file
 
 
+@pytest.mark.parametrize("high", ["high", "HE", "UE"])
 @pytest.mark.parametrize(("estimate", "phi", "G"), [("low", 32, 15e6), ("best", 35, 30e6), ("high", 38, 60e6)])
-def test_a_table_has_columns_of_a_range(tmp_path, estimate: str, phi: float, G: float) -> None:
-    scene = load_scene(_with_table(tmp_path, TABLE), [f'soil.estimate="{estimate}"'])
+def test_a_table_has_columns_of_a_range(tmp_path, estimate: str, phi: float, G: float, high: str) -> None:
+    """Or those of its lower, best and higher or upper estimate, as LE, BE, HE or UE."""
+    table = TABLE if high == "high" else TABLE.replace("low", "LE").replace("best", "BE").replace("high", high)
+    scene = load_scene(_with_table(tmp_path, table), [f'soil.estimate="{estimate}"'])
     assert np.degrees(scene.ground.value("friction_angle_final", np.array([2.0]))) == pytest.approx(phi)
     assert scene.ground.value("shear_modulus", np.array([2.0])) == pytest.approx(G)
 
