@@ -126,7 +126,7 @@ def cards(
 
 
 def _depth(value: float) -> str:
-    cell = f"{value:6.3f}"
+    cell = f"{value:z6.3f}"  # no -0.000
     return cell if len(cell) <= WIDTH else f"{value:6.2f}"
 
 

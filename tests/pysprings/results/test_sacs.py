@@ -10,7 +10,7 @@ import pytest
 from pysprings.core.errors import UserInputError
 from pysprings.macro.model import MacroModel
 from pysprings.macro.vertical import build_vertical
-from pysprings.results.exporters import Source, export
+from pysprings.results.exporters import Source, export, sacs
 from pysprings.results.exporters.sacs import number
 from pysprings.results.exporters.uniaxial_sets import uniaxial
 from pysprings.springs.springs import Springs
@@ -163,6 +163,8 @@ def test_six_characters_hold_a_number() -> None:
         if 0.1 <= abs(value) < 9000.0:
             assert fortran(cell) == pytest.approx(value, rel=6e-5 if value > 0.0 else 6e-4)
     assert fortran(number(0.0)) == 0.0
+    mudline = sacs.Stratum(-1e-17, 0.417, np.array([0.0, 1.0]), np.array([0.0, 1.0]), symmetric=True)
+    assert list(sacs.cards(sacs.PY, [mudline], "MUD"))[1][24:36] == " 0.000 0.417"
 
 
 def test_what_the_cards_cannot_hold_is_named_with_its_error(source: Source, tmp_path: Path) -> None:
