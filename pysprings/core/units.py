@@ -94,7 +94,7 @@ def read(text: str, si_unit: str, example: str = "") -> float:
 
     Raises QuantityError: not `<number> <unit>`, unknown unit, another dimension, not finite.
     """
-    number, unit = _split(text, example or f"1 {si_unit}")
+    number, unit = parts(text, example or f"1 {si_unit}")
     try:
         scale, dimension = unit_of(unit)
     except QuantityError as error:
@@ -153,8 +153,8 @@ def _shortened(text: str) -> str:
     return text if len(text) <= MOST_QUOTED else text[: MOST_QUOTED - 3] + "..."
 
 
-def _split(text: str, example: str) -> tuple[str, str]:
-    """Cut `<number> <unit>` in two. Raises QuantityError."""
+def parts(text: str, example: str = "1 m") -> tuple[str, str]:
+    """Cut `<number> <unit>` in two, the number as text. Raises QuantityError."""
     if len(text) > MAX_LENGTH:
         raise QuantityError(f"{quoted(text)} is too long for a quantity (at most {MAX_LENGTH} characters)")
     match = _NUMBER.fullmatch(text.translate(_SIGNS).strip())

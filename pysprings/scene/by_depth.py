@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import ValidationInfo
 
 from pysprings.core.text import suggestion
-from pysprings.core.units import quoted, unit_of
+from pysprings.core.units import parts, quoted, unit_of
 from pysprings.core.words import ESTIMATES, OF_ESTIMATE
 from pysprings.scene.fields import QUANTITY_PATTERN, Choice, Field, Number, Quantity, read_keys, refuse
 
@@ -265,8 +265,8 @@ def _size(value: Any) -> float | None:
     if isinstance(value, dict):
         return _size(value.get("top", value.get("reference")))
     if isinstance(value, str):
-        number, _, unit = value.strip().partition(" ")
         try:
+            number, unit = parts(value)
             return float(number) * unit_of(unit)[0]
         except ValueError:
             return None
