@@ -244,10 +244,9 @@ def _on_a_pile(
     head = [*errors, pile, OPPOSED, BETWEEN, *_header(source, springs)]
     half, names = 0.5 * length / STRATA, {"lateral": "p", "rotation": "M_lid"}
     points = [(names[each.spring.direction], each.spring.depth, *each.within()) for each in tables]
-    middles = (half * (2.0 * np.arange(STRATA) + 1.0)).tolist()
-    own = np.array([depth for _, depth, _, _ in points])
+    middles = (2.0 * half * (np.arange(STRATA) + 0.5)).tolist()
     turn, reach = (max((q[-1] for name, _, q, _ in points if name == each), default=1.0) for each in ("M_lid", "p"))
-    empty = [("p", z) for z in middles if np.abs(own - z).min() > 0.5 * half] + [("m", z) for z in middles]
+    empty = [("p", z) for z in {*middles} - {point[1] for point in points}] + [("m", z) for z in middles]
     empty += [("H_tip", length), ("M_tip", length), ("H_lid", 0.0)]
     points += [(name, z, np.array([0.0, turn if name[0] in "mM" else reach]), np.zeros(2)) for name, z in empty]
     points.sort(key=lambda curve: curve[1])

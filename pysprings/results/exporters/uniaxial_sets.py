@@ -189,9 +189,10 @@ def on_a_pile(springs: Springs, V: float | None) -> tuple[Uniaxial, float]:
     """
     middles = -np.arctan(DEEPEST * (np.arange(STRATA) + 0.5) / STRATA)
     made = uniaxial(springs, VIRTUAL, V, 2, directions=np.append(middles, -0.5 * np.pi), pulls=WEIGHT)
-    length = DEEPEST * springs.length
+    length, h = DEEPEST * springs.length, DEEPEST * springs.length / STRATA
     return replace(made, springs=tuple(
-        replace(each, height=length / STRATA) if each.direction == "lateral" else each for each in made.springs
+        replace(each, depth=h * (each.depth // h + 0.5), height=h) if each.direction == "lateral" else each
+        for each in made.springs
     )), length  # fmt: skip
 
 

@@ -113,10 +113,10 @@ def test_a_pile_that_stands_for_the_foundation_follows_the_fan(tmp_path: File) -
     save_springs(tree, tmp_path / "fan.nc")
     done = command("springs", tmp_path / "fan.nc", "--for", "beam", "--pile", "--depths", "1, 2 m")
     assert done.code == 2 and "--depths: the strata of a pile" in done.err
-    assert command("springs", tmp_path / "fan.nc", "--for", "beam", "--pile", "--out", tmp_path / "pile.csv").code == 0
-    found = command("predict", tmp_path / "pile.csv", "--H", "0.5 MN", "--arm", "2 m", "--json")
-    state = json.loads(found.out)["states"][-1]
-    np.testing.assert_allclose(loads(lines_of(curves), state["u"], state["rotation"]), [0.5e6, 1.0e6], rtol=1e-3)
+    for place in (tmp_path / "pile.csv", tmp_path / "pile.xlsx"):
+        assert command("springs", tmp_path / "fan.nc", "--for", "beam", "--pile", "--out", place).code == 0
+        state = json.loads(command("predict", place, "--H", "0.5 MN", "--arm", "2 m", "--json").out)["states"][-1]
+        np.testing.assert_allclose(loads(lines_of(curves), state["u"], state["rotation"]), [0.5e6, 1.0e6], rtol=1e-3)
 
 
 @pytest.mark.parametrize("depths", ["", DEPTHS])
