@@ -103,11 +103,11 @@ def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:
     if name == "caisson":
         return () if scene.caisson.behaviour == "elastic" else _STEEL
     if name == "domain":
-        return () if wet else ("side_drainage",)
+        return () if flows else ("side_drainage",)
     if name == "interface":
         beside = [each for each in strata if each.top <= scene.caisson.skirt_length]
         frictionless = ("friction_coefficient",) * all(each.total_stress for each in beside)
-        return (*(() if flows else _FLOW), *frictionless)
+        return (*(() if wet else _FLOW), *frictionless)
     if name == "drainage":
         dry = ("porosity", "water_bulk_modulus", "water_viscosity", "stabilisation")
         weight = () if holds_suction(scene) else ("water_unit_weight",)

@@ -148,8 +148,8 @@ def _water(scene: Scene) -> list[Omission]:
     if scene.drainage.water_depth is None:
         out.append(Omission("check of suction against cavitation", "drainage.water_depth is not given"))
     if scene.drainage.mode == "undrained":
-        what, why = "time (path: rate, duration, times in then)", "undrained: the fast limit, nothing flows"
-        out.append(Omission(what, why))
+        keys = "path: rate, duration, times in then; soil.hydraulic_conductivity, domain.side_drainage"
+        out.append(Omission(f"time ({keys})", "undrained: the fast limit, nothing flows"))
     return out
 
 

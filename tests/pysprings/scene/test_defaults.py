@@ -69,6 +69,15 @@ def test_the_depth_of_the_sea_is_listed_where_suction_holds_the_caisson(opening:
         assert "drainage.water_depth" in unused
 
 
+def test_what_no_flow_in_time_needs_is_left_out_of_an_undrained_scene() -> None:
+    """The film conducts in a closed interface without time: both its keys decide where its pressure spreads."""
+    scene = parse_scene(SAND + '[drainage]\nmode = "undrained"\n')
+    given = {row["key"] for row in defaulted(scene)}
+    assert {"interface.residual_aperture", "interface.transversal_conductivity"} <= given
+    assert "domain.side_drainage" not in given
+    assert any("hydraulic_conductivity, domain.side_drainage" in each.what for each in left_out(scene))
+
+
 def test_sand_without_a_surcharge_runs_and_is_remarked_on() -> None:
     """The stress at mudline is 0, not that of a metre of soil; every value by default is in the list."""
     scene = parse_scene(SAND)
