@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 _ROWS = (
     Column("test", "test", words=True),
     Column("drainage", "drainage", words=True),
-    Column("stress [kPa]", "stress", factor=1e-3),
-    Column("largest stress [kPa]", "peak", factor=1e-3),
-    Column("at strain [%]", "at", factor=100.0),
-    Column("stress at the end [kPa]", "end", factor=1e-3),
-    Column("phi mobilised, largest [deg]", "angle"),
-    Column("volumetric strain [%]", "volume", factor=100.0),
-    Column("pore pressure [kPa]", "pressure", factor=1e-3),
+    Column("stress [kPa]", "stress_Pa", factor=1e-3),
+    Column("largest stress [kPa]", "peak_Pa", factor=1e-3),
+    Column("at strain [%]", "strain_at_peak", factor=100.0),
+    Column("stress at the end [kPa]", "end_Pa", factor=1e-3),
+    Column("phi mobilised, largest [deg]", "mobilised_angle_deg"),
+    Column("volumetric strain [%]", "volumetric_strain", factor=100.0),
+    Column("pore pressure [kPa]", "pore_pressure_Pa", factor=1e-3),
     Column("away from data [%]", "away", factor=100.0),
 )
 FAR = 0.2  # distance from data beyond which fitted values are none

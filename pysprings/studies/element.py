@@ -429,7 +429,7 @@ class Outcome:
 
     @property
     def stress(self) -> str:
-        """Which stress `peak` and `end` of the rows are, in words."""
+        """Which stress `peak_Pa` and `end_Pa` of the rows are, in words."""
         return _label(MEASURED[self.request.kind][1][0], self.curves).removesuffix(" [kPa]")
 
     @cached_property
@@ -438,14 +438,14 @@ class Outcome:
         request, out = self.request, []
         strain, measured = MEASURED[request.kind]
         for k, (name, curve) in enumerate(zip(self.names, self.curves, strict=True)):
-            columns = curve.columns()
-            at = int(np.argmax(np.abs(columns[measured[0]])))
-            row = {"test": name, "drainage": curve.drainage, "stress": curve.consolidation, "stopped": curve.stopped}
-            row |= {"peak": columns[measured[0]][at], "at": columns[strain][at], "end": columns[measured[0]][-1]}
+            stress = (columns := curve.columns())[measured[0]]
+            at = int(np.argmax(np.abs(stress)))
+            row = {"test": name, "drainage": curve.drainage, "stress_Pa": curve.consolidation, "stopped": curve.stopped}
+            row |= {"peak_Pa": stress[at], "strain_at_peak": columns[strain][at], "end_Pa": stress[-1]}
             if not request.stratum.total_stress:
-                row |= {"angle": np.degrees(np.nanmax(columns["mobilised_angle_rad"]))}
-                row |= {"pressure": columns["pore_pressure_Pa"][-1]}
-            row |= {"volume": columns["volumetric_strain"][-1]}
+                row |= {"mobilised_angle_deg": np.degrees(np.nanmax(columns["mobilised_angle_rad"]))}
+                row |= {"pore_pressure_Pa": columns["pore_pressure_Pa"][-1]}
+            row |= {"volumetric_strain": columns["volumetric_strain"][-1]}
             if request.tests:
                 parts = residuals(request.tests[k], curve, request.kind, curve.drainage)
                 row["away"] = float(np.sqrt(np.mean([each @ each for each in parts])))

@@ -73,7 +73,7 @@ def test_the_command_writes_a_table_that_it_reads_as_data(scene: Path, tmp_path:
     out = tmp_path / "out"
     arguments = ("element", str(scene), "--layer", "sand", "--stress", "50 kPa", "--stress", "200 kPa")
     about = json.loads(command(*arguments, "--out", str(out), "--json").out)
-    assert [row["stress"] for row in about["tests"]] == [50e3, 200e3] and about["fit"] is None
+    assert [row["stress_Pa"] for row in about["tests"]] == [50e3, 200e3] and about["fit"] is None
     assert {Path(file).name for file in about["files"]} == {"element.csv", "element.png"}
     frame = pd.read_csv(out / "element.csv")
     assert frame.groupby("test").size().tolist() == [180, 180]
@@ -273,7 +273,7 @@ def test_a_law_in_total_stress_has_no_pore_pressure_and_is_not_judged_by_one(
     (tmp_path / "lab.csv").write_text(text + "100,0,0,0,0\n100,1,70,40,2\n100,5,80,60,4\n")
     (row,) = json.loads(command(*run, "--no-figures", "--json", "--data", str(tmp_path / "lab.csv")).out)["tests"]
     frame = pd.read_csv(tmp_path / "element.csv")
-    assert "pressure" not in row and frame[["pore_pressure_Pa", "mobilised_angle_rad"]].isna().all(axis=None)
+    assert "pore_pressure_Pa" not in row and frame[["pore_pressure_Pa", "mobilised_angle_rad"]].isna().all(axis=None)
     found = np.interp([0.0, 0.01, 0.05], *(frame[each] for each in MEASURED_BY[test]))
     away = (found / 1e3 - [0.0, 70.0, 80.0]) / 80.0
     assert row["away"] == pytest.approx(np.sqrt(np.mean(away**2)), rel=1e-6)

@@ -153,4 +153,4 @@ def test_sand_without_effective_stress_has_no_mobilised_angle() -> None:
     """Very loose sand that mobilises slowly loses all of it at constant volume: 90 degrees were printed."""
     stratum = replace(layer(0.2), values=layer(0.2).values | {"mobilisation_strain": 0.088})
     (row,) = run(Request(stratum, "triaxial", 1.0, undrained=True, stresses=(50e3,))).rows
-    assert row["end"] < 1e3 and 25.0 < row["angle"] < 34.0
+    assert row["end_Pa"] < 1e3 and 25.0 < row["mobilised_angle_deg"] < 34.0
