@@ -143,7 +143,8 @@ def _defaults_in(scene: SceneSections, stratum: Stratum) -> Iterator[tuple[str, 
         if given[key] is None and (key in law.keys or key in ("poisson_ratio", "K0")):
             value = stratum.values[key]
             yield key, "by depth" if isinstance(value, ByDepth) else value
-    yield from law.derived(stratum).items()
+    ends = [law.derived(stratum, np.array(depth)) for depth in (stratum.top, stratum.bottom)]
+    yield from ((key, value if value == ends[1][key] else "by depth") for key, value in ends[0].items())
     if law.gives_stiffness and not {"young_modulus", "shear_modulus"} & {*stratum.values}:
         yield "shear_modulus", "by density and stress"
 

@@ -110,7 +110,7 @@ class Stratum:
     def row(self, depth: float) -> dict[str, Any]:
         """Return what an engineer checks at a depth (m) of this layer, in SI; angles in degrees."""
         z = np.array(depth)
-        value = SOIL_LAWS[self.law].derived(self) | {name: float(self.value(name, z)) for name in self.values}
+        value = SOIL_LAWS[self.law].derived(self, z) | {name: float(self.value(name, z)) for name in self.values}
         row: dict[str, Any] = {
             "layer": self.name,
             "law": self.law,

@@ -208,7 +208,7 @@ class Fit:
 def known_keys(stratum: Stratum) -> list[str]:
     """Return the keys of a layer that can be fitted: its numbers that its law uses."""
     law = SOIL_LAWS[stratum.law]
-    values = law.derived(stratum) | stratum.values
+    values = law.derived(stratum, np.array(stratum.top)) | stratum.values
     own = [name for name in (*law.stiffnesses, "poisson_ratio", *law.keys) if name in values]
     return [name for name in dict.fromkeys(own) if _number(values[name]) is not None]
 
@@ -251,7 +251,7 @@ def fit(
              for test in tests for name in measured if name in test.columns)  # fmt: skip
     if (count := int(sum(each.sum() for each in known))) <= len(keys):
         raise refused_argument("--fit", f"{len(keys)} keys need more measured values beyond a strain of 0 than {count}")
-    values = SOIL_LAWS[stratum.law].derived(stratum) | stratum.values
+    values = SOIL_LAWS[stratum.law].derived(stratum, np.array(depth)) | stratum.values
     start = np.array([_number(values[key]) for key in keys], dtype=float)
     low, high = np.array([bounds_of(key, value) for key, value in zip(keys, start, strict=True)]).T
     logs, unit = (low > 0.0) & (start > 0.0), np.array([_unit_of(key)[1] for key in keys])

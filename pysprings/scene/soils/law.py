@@ -68,8 +68,8 @@ class SoilLaw(ABC):
         """Return the exponent of the stress that the stiffness follows in a layer that gives neither modulus."""
         return 0.0
 
-    def derived(self, stratum: Stratum) -> dict[str, float]:
-        """Return values of keys that follow from others in a layer that does not give them."""
+    def derived(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
+        """Return values at a depth (m) of keys that follow from others in a layer that does not give them."""
         return {}
 
     def shown(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:

@@ -88,8 +88,8 @@ class Sand(SoilLaw):
         middle = np.array(0.5 * (stratum.top + stratum.bottom))
         return float(_exponent(stratum.value("relative_density", middle)))
 
-    def derived(self, stratum: Stratum) -> dict[str, float]:
-        density = float(stratum.value("relative_density", np.array(0.5 * (stratum.top + stratum.bottom))))
+    def derived(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
+        density = float(stratum.value("relative_density", depth))
         values = {"degradation_strain": _reference(density), "mobilisation_strain": float(mobilisation(density))}
         return {name: value for name, value in values.items() if name not in stratum.values}
 

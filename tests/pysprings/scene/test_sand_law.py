@@ -69,6 +69,11 @@ def test_check_lists_what_follows_from_the_density() -> None:
     assert found["soil.critical_friction_angle"] == 33.0 and found["soil.softening_strain"] == 0.2
     assert found["soil.degradation_strain"] == pytest.approx(1.3e-4)
     assert found["soil.shear_modulus"] == "by density and stress"
+    layers = ({"top": 0.0, "relative_density": {"top": 0.4, "bottom": 0.8, "to": 10.0}},)
+    varies = tiny.sand(soil={"layers": layers, "yield_surface": "sand"})
+    found = {row["key"]: row["value"] for row in defaulted(varies)}
+    assert found["soil.degradation_strain"] == found["soil.mobilisation_strain"] == "by depth"
+    assert profile(varies)[0]["degradation_strain"] == pytest.approx(1.6e-4)
 
 
 def test_check_shows_the_peak_friction_angle_at_the_initial_stress() -> None:
