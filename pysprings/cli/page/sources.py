@@ -8,6 +8,7 @@ import shlex
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -208,11 +209,12 @@ def _ground_field(name: str, keys: str, data: Mapping[str, Any], covered: tuple[
     value, _, unit = str(given).partition(" ")
     start = float(value)
     low, high = covered or (start / SPAN, start * SPAN)
-    return Field(name, unit, keys.replace(".", " ").replace("_", " "), start, (_round(low), _round(high)))
+    ends = _round(low, 3, ROUND_CEILING), _round(high, 3, ROUND_FLOOR)  # within what the atlas covers
+    return Field(name, unit, keys.replace(".", " ").replace("_", " "), start, ends)
 
 
-def _round(value: float) -> float:
-    return float(f"{value:.2g}")
+def _round(value: float, digits: int = 2, to: str = ROUND_HALF_EVEN) -> float:
+    return float(Context(digits, to).create_decimal(str(value)))
 
 
 Source = RunSource | AtlasSource

@@ -176,6 +176,14 @@ def test_marks_are_texts(run_folder: Path) -> None:
     assert len(marks) == 3
 
 
+@pytest.mark.parametrize("name", ["sand", "clay"])
+def test_inputs_of_the_ground_end_within_what_the_atlas_covers(name: str) -> None:
+    source = AtlasSource.of(name)
+    box = dict(zip(source.atlas.family.labels, source.atlas.box.T, strict=True))
+    ends = {each.name: each.ends for each in source.fields if each.name in box}
+    assert ends and all(box[own][0] <= low < high <= box[own][1] for own, (low, high) in ends.items())
+
+
 def test_zero_is_a_value(clay: AtlasSource) -> None:
     values = start(clay, H=0.1, gradient=0.0)
     assert "--set 'gradient=\"0 kPa/m\"'" in answers.command_of(values, clay)
