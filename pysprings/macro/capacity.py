@@ -37,7 +37,7 @@ from pysprings.macro.vertical import covered, share_left
 from pysprings.macro.vertical_answer import SLACK, Carrier, vertical_use
 from pysprings.macro.ways import RANGE_SLACK
 from pysprings.springs.path import SAME_DIRECTION
-from pysprings.springs.path_ends import LIMIT_LOAD, PathEnd
+from pysprings.springs.path_ends import LIMIT_LOAD, STOPPED, PathEnd
 
 GONE, FLAT = 0.02, 0.1
 STEPS = 24
@@ -254,6 +254,10 @@ def _named(ways: _Ways, state: Array, size: Array) -> tuple[Array, Texts, Texts]
         else:
             kind[i] = RANGE_END
             source[i] = f"{from_}, {at}; {100.0 * left[i]:.2g} % of the initial stiffness is left: more is not known"
+            ends = (ways.model.ends.get(name) for name in ways.model.response.paths_at(state[i : i + 1])[0])
+            source[i] += "".join(
+                f"; path '{end.path}' stopped: {end.why}" for end in ends if end and end.how == STOPPED
+            )
     return peak, kind, source
 
 

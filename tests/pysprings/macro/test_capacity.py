@@ -48,10 +48,14 @@ def test_a_perfectly_plastic_soil_has_its_collapse_load(tmp_path) -> None:
 
 def test_the_end_of_the_range_is_no_capacity() -> None:
     """A uniform p that hardens to 5e5 N/m over 4 m at 3 mm: 2 MN at half depth, and stiffness is left."""
-    answer = predict(bilinear_springs(), H=1e6, M=-2e6)
+    answer = predict(tree := bilinear_springs(), H=1e6, M=-2e6)
     assert answer.attrs["capacity_H_N"] == pytest.approx(2e6, rel=1e-5)
     assert answer.attrs["capacity_kind"] == "end of the range"
-    assert "more is not known" in answer.attrs["capacity_from"]
+    assert answer.attrs["capacity_from"].endswith("more is not known")
+    (path,) = tree["paths"].children.values()
+    path.attrs |= {"end": "stopped", "end_reason": "the water would cavitate beyond"}
+    stopped = predict(tree, H=1e6, M=-2e6).attrs["capacity_from"]
+    assert stopped.endswith(f"more is not known; path '{path.name}' stopped: the water would cavitate beyond")
     assert float(answer["utilisation"]) == pytest.approx(0.5, rel=1e-5)
 
 
