@@ -76,7 +76,7 @@ def remarks(scene: SceneSections) -> list[str]:
     of_ground = [*moved_layers(scene.soil, scene.extent), *_without_strength(scene), *_unknown(scene)]
     idle = (name for name in type(scene.soil).model_fields if name in untaken(scene.soil))
     of_ground += [f"soil.{name} has no effect: every layer has its own" for name in idle]
-    of_ground += [*without_suction(scene), *implausible(scene)]
+    of_ground += [*without_suction(scene), *_idle(scene), *implausible(scene)]
     bends = (
         "caisson.behaviour: loads act on a stiff patch of a quarter of the lid's radius, around which the lid bends as "
         f"a plate of {scene.caisson.lid_thickness:g} m without stiffeners: rotation, w, their "
@@ -157,6 +157,19 @@ def _of_paths(scene: SceneSections) -> Iterator[Row]:
     for path in scene.paths:
         if not path.given(LOADS) and "arm" in PATH_KINDS[path.kind].uses and "arm" not in path.model_fields_set:
             yield row_of(f"path.{path.name}.arm", path.arm, type(path), "arm")
+
+
+def _idle(scene: SceneSections) -> Iterator[str]:
+    """Yield a remark on keys of the fan and on friction that the scene gives and makes no use of."""
+    springs, tip = scene.springs, scene.caisson.skirt_length
+    given = [key for key in ("rays", "vertical_loads", "rates", "memory", "directions") if getattr(springs, key)]
+    if given and springs.reach is None:
+        yield f"springs.{', '.join(given)}: no effect, since there is no fan without springs.reach"
+    elif len(springs.rates) > 1 and scene.drainage.mode != "coupled":
+        yield f"springs.rates: no water flows in time: the paths are computed {len(springs.rates)} times, all the same"
+    clay = all(each.total_stress for each in scene.ground.strata if each.top <= tip)
+    if clay and "friction_coefficient" in scene.interface.model_fields_set:
+        yield "interface.friction_coefficient has no effect: beside undrained clay adhesion_factor limits the shear"
 
 
 def _without_strength(scene: SceneSections) -> Iterator[str]:

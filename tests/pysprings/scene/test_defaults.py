@@ -19,6 +19,7 @@ SAND = (
     "K0 = 0.5\n"
 )
 CLAY = '[soil]\nyield_surface = "tresca"\n[interface]\nadhesion_factor = 0.65\n'
+OF_CLAY = 'undrained_shear_strength = "20 kPa"\nrigidity_ratio = 200\neffective_unit_weight = "6 kN/m^3"\n'
 COUPLED = '[drainage]\nmode = "coupled"\n[springs]\nreach = "1 mm"\nrates = ["1 mm/s"]\n'
 
 
@@ -57,8 +58,7 @@ def test_missing_keys_name_their_layers() -> None:
 @pytest.mark.parametrize("opening", ["sealed", "vented"])
 def test_the_depth_of_the_sea_is_listed_where_suction_holds_the_caisson(opening: str) -> None:
     """Suction of a sealed surface ends at vapour pressure: without a depth that of a sea of 0 m, which counts."""
-    given = 'undrained_shear_strength = "20 kPa"\nrigidity_ratio = 200\neffective_unit_weight = "6 kN/m^3"\n'
-    scene = parse_scene(CLAY.replace("[interface]", f'{given}[interface]\nopening = "{opening}"'))
+    scene = parse_scene(CLAY.replace("[interface]", f'{OF_CLAY}[interface]\nopening = "{opening}"'))
     values = {row["key"]: row["value"] for row in defaulted(scene)}
     unused = " ".join(each.what for each in left_out(scene))
     if opening == "sealed":
@@ -96,6 +96,18 @@ def test_sand_without_a_surcharge_runs_and_is_remarked_on() -> None:
     scene = parse_scene('[caisson]\nbehaviour = "elastic"\n' + SAND + 'surcharge = "5 kPa"\n')
     (bends,), (bricks,) = remarks(scene), remarks(scene.replace(mesh={"discretisation": "hex8"}))
     assert "lid bends as a plate of 0.4 m without stiffeners" in bends and bricks.startswith(f"{bends}; bricks hold")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (SAND + '[springs]\nmemory = true\nvertical_loads = ["1 MN"]\n', "vertical_loads, memory: no effect"),
+        (SAND + '[springs]\nreach = "1 mm"\nrates = ["1 mm/s", "9 mm/s"]\n', "computed 2 times, all the same"),
+        (CLAY.replace("[soil]\n", f"[soil]\n{OF_CLAY}") + "friction_coefficient = 0.4\n", "coefficient has no effect"),
+    ],
+)  # fmt: skip
+def test_keys_without_effect_are_named(text: str, words: str) -> None:
+    assert sum(words in each for each in remarks(parse_scene(text))) == 1
 
 
 def test_values_by_default_come_through_texts_copies_and_changes() -> None:
