@@ -243,11 +243,12 @@ def _targets(path: Path, end: float) -> list[float]:
 
 
 def _step_fractions(scene: Scene, path: Path, travel: float) -> tuple[float, float]:
-    """Return the first and largest step as fractions of a stage that moves on by ``travel``."""
+    """Return the first and largest step as fractions of a stage that moves on by ``travel``, at lid or tip."""
     if travel == 0.0:  # a rest: water moves fast at first, and ever more slowly
         return _FIRST_OF_REST, _LARGEST_OF_REST
     kind = PATH_KINDS[path.kind]
-    scale = scene.caisson.skirt_length if kind.drives == "rotation" else 1.0
+    turned = abs(path.rotation / imposed_end(path)) if kind.straight and path.rotation else 0.0
+    scale = max(float(kind.drives != "rotation"), turned * scene.caisson.skirt_length)
     return _fractions(scene, 0.0 if kind.force else abs(travel) * scale)
 
 

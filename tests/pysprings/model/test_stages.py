@@ -105,6 +105,8 @@ def test_the_first_step_is_the_same_displacement_however_long_the_path() -> None
     assert first[0] < 1e-5 * D
     turn = stage("rotation", rotation=1e-2)
     assert turn.first_fraction * 1e-2 * L == pytest.approx(first[0])
+    ray = stage("translation", lateral_displacement=1e-8, rotation=-1e-2)  # the tip moves, the lid hardly
+    assert (ray.first_fraction, ray.max_fraction) == pytest.approx((turn.first_fraction, turn.max_fraction))
     assert stage("pull", lateral_displacement=1e-6).first_fraction == 1.0
 
 
