@@ -104,7 +104,7 @@ _FURTHER_LOADS = QuantityList(
     word=FROM_CASES,
 )  # fmt: skip
 _RAYS = QuantityList(
-    "", (("", Quantity("deg", "[-90, 90]", "direction of a ray", "30 deg")),),
+    "", (("", Quantity("deg", "(-90, 90]", "direction of a ray", "30 deg")),),
     "directions of the rays, in place of the usual eight: angles of (u, rotation * skirt_length)",
 )  # fmt: skip
 _RATES = QuantityList(

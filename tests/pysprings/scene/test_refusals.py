@@ -70,6 +70,8 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
          "2:9: springs.reach: 9000 mm must be at most half of skirt_length (2000 mm)"),
         ('[springs]\nreach = "20 mm"\nrays = ["10 deg", "0 deg", "10 deg"]\n',
          "3:28: springs.rays[2]: 10 deg is given twice: its paths would run twice"),
+        ('[springs]\nreach = "20 mm"\nrays = ["90 deg", "-90 deg"]\n',
+         '3:19: springs.rays[1]: "-90 deg" is not in (-90, 90] deg'),
         ('[springs]\nreach = "20 mm"\n[drainage]\nmode = "coupled"\n',
          '2:9: springs.rates: drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]'),
         # a series
