@@ -163,6 +163,10 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     if "depth" in table and "top" not in table:
         table.faults.stop()
         layers, ends = between(table, layers, ends[0])
+        if any(table.texts(REMARK)):
+            warnings.warn(
+                f"{table.place}: remarks of points are not used: those of layers are", TableNote, stacklevel=2
+            )
     beside: list[str] = []
     for k, layer in enumerate(layers):
         layer["top"] = show(float(np.nan_to_num(ends[0][k])), "m")

@@ -179,6 +179,11 @@ def test_elevations_count_from_the_first_top(tmp_path):
         assert load_scene(file).ground.lines == (6.0,)
 
 
+def test_remarks_of_points_are_named_as_left_out(tmp_path):
+    with pytest.warns(UserWarning, match="remarks of points are not used"):
+        layers(tmp_path, "depth [m],Su [kPa],gamma' [kN/m3],G [MPa],Remark\n0,10,8,5,crust\n10,30,8,15,\n")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
