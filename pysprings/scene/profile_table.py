@@ -163,10 +163,6 @@ def read_layers(file: Path, soil: Mapping[str, Any] | None = None) -> list[dict[
     if "depth" in table and "top" not in table:
         table.faults.stop()
         layers, ends = between(table, layers, ends[0])
-        if any(table.texts(REMARK)):
-            warnings.warn(
-                f"{table.place}: remarks of points are not used: those of layers are", TableNote, stacklevel=2
-            )
     beside: list[str] = []
     for k, layer in enumerate(layers):
         layer["top"] = show(float(np.nan_to_num(ends[0][k])), "m")
@@ -447,6 +443,8 @@ def between(table: Table, points: list[dict[str, Any]], depth: Array) -> tuple[l
     """Return the layers between points, linear, and their ends; the first value holds up to mudline."""
     for k in np.flatnonzero(np.diff(depth) < 0.0).tolist():
         table.fault(k + 1, "depth", "is above the point before: depths of points grow")
+    if any(table.texts(REMARK)):
+        warnings.warn(f"{table.place}: remarks of points are not used: those of layers are", TableNote, stacklevel=3)
     layers: list[dict[str, Any]] = []
     spans: list[tuple[float, float]] = []
     for k, (above, below) in enumerate(itertools.pairwise(points)):

@@ -183,12 +183,13 @@ def test_small_strains_of_sand_have_the_range_of_their_sources(cpt, tmp_path) ->
     assert (floor["low"], floor["best"]) == (0.2, 0.2)
     assert floor["high"] == pytest.approx(75 * density["high"] / (60 + 68 * density["high"]), rel=0.01)
     text = f'[soil]\nprofile = "{out}"\n[[path]]\nname = "a"\nkind = "pull"\nlateral_displacement = "1 mm"\n'
+    top = np.array(0.0)
     for estimate in ("low", "best", "high"):
         stratum = parse_scene(text, str(tmp_path / "a.toml"), [f'soil.estimate="{estimate}"']).ground.strata[0]
-        values = stratum.values | SOIL_LAWS["sand"].derived(stratum)
+        values = stratum.values | SOIL_LAWS["sand"].derived(stratum, top)
         assert values["mobilisation_strain"] == scale[estimate] and values["degradation_limit"] == floor[estimate]
     without = replace(stratum, values={"relative_density": density["best"]})
-    assert SOIL_LAWS["sand"].derived(without)["mobilisation_strain"] == pytest.approx(scale["best"], rel=0.01)
+    assert SOIL_LAWS["sand"].derived(without, top)["mobilisation_strain"] == pytest.approx(scale["best"], rel=0.01)
 
 
 def test_small_strains_that_a_file_gives_stay(tmp_path) -> None:
