@@ -215,7 +215,8 @@ class Count(Field):
         return count
 
     def schema(self) -> dict[str, Any]:
-        schema = {"description": self.text, "type": "integer", "minimum": self.low, "maximum": self.high}
+        about = f"{self.text} (in [{self.low}, {self.high}])"
+        schema = {"description": about, "type": "integer", "minimum": self.low, "maximum": self.high}
         return schema if self.multiple_of == 1 else {**schema, "multipleOf": self.multiple_of}
 
 
@@ -336,5 +337,7 @@ class QuantityList(Field):
 
     def schema(self) -> dict[str, Any]:
         entry = {"type": "string", "pattern": QUANTITY_PATTERN}
-        schema = {"description": self.text, "type": "array", "items": entry, "examples": [[self._example()]]}
-        return {"description": self.text, "anyOf": [{"const": self.word}, schema]} if self.word else schema
+        one = dict(self.quantities).get("")  # of all
+        about = f"{self.text} (each in {one.interval} {one.unit})" if one else self.text
+        schema = {"description": about, "type": "array", "items": entry, "examples": [[self._example()]]}
+        return {"description": about, "anyOf": [{"const": self.word}, schema]} if self.word else schema

@@ -38,8 +38,10 @@ _LOAD_ANGLE = Quantity(
 _TORSION_ANGLE = Quantity(
     "deg", "[-90, 90]", "direction of a probe: angle of the load out of the plane of H and M/D, towards T/D", "30 deg"
 )
-_RATE = Quantity("mm/s", "[1e-9, 1e4]", "velocity of the lid centre; not used when drained", "0.05 mm/s")
-_TIME = Quantity("s", "[1e-6, 1e12]", "time to the end value, instead of a rate", "400 s")
+_PACE = "velocity of the lid centre, of a probe that of what it imposes; not used when drained"
+_RATE = Quantity("mm/s", "[1e-9, 1e4]", _PACE, "0.05 mm/s")
+_LASTS = "time to the end value, instead of a rate; a load that climbs takes it twice"
+_TIME = Quantity("s", "[1e-6, 1e12]", _LASTS, "400 s")
 _LINEAR = Choice(("auto", "pardiso", "rslab", "superlu"), "linear solver", planned=("mumps",))
 _DIRECTION = Quantity("deg", "[-360, 360]", "direction of the load, from +x towards +y", "45 deg")
 _TWIST = Quantity("mrad", "[-500, 500]", "rotation about the vertical axis, from +x towards +y", "10 mrad")
@@ -108,7 +110,7 @@ _RAYS = QuantityList(
     "directions of the rays, in place of the usual eight: angles of (u, rotation * skirt_length)",
 )  # fmt: skip
 _RATES = QuantityList(
-    "", (("", Quantity("mm/s", "[1e-9, 1e6]", "rate", "0.05 mm/s")),),
+    "", (("", Quantity("mm/s", "[1e-9, 1e4]", "rate", "0.05 mm/s")),),
     "rates of the reach, and of w, at which rays and vertical paths are computed; needed where water flows",
 )  # fmt: skip
 _VISCOUS = Quantity(

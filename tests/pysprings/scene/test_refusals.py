@@ -72,6 +72,7 @@ _LONG = "{}: a key of more than 16 parts; no key of a scene has more than two"
          "3:28: springs.rays[2]: 10 deg is given twice: its paths would run twice"),
         ('[springs]\nreach = "20 mm"\nrays = ["90 deg", "-90 deg"]\n',
          '3:19: springs.rays[1]: "-90 deg" is not in (-90, 90] deg'),
+        ('[springs]\nreach = "20 mm"\nrates = ["100 m/s"]\n', '3:10: springs.rates[0]: "100 m/s" is not in [1e-9, 1e4] mm/s'),
         ('[springs]\nreach = "20 mm"\n[drainage]\nmode = "coupled"\n',
          '2:9: springs.rates: drainage.mode = "coupled" needs them, such as ["0.05 mm/s"]'),
         # a series
