@@ -165,6 +165,7 @@ def _fan(springs: Springs) -> Iterator[str]:
 
 
 HEAD_ROWS = 3  # depth, slice, heading with unit
+ROUNDING, FEW_DIGITS = 1e-9, 0.1  # mm, mrad, kN ...: below the second the format 0.000 hides digits
 MOST_PRINTED = 45  # rows of a data sheet
 # variable of a path -> heading, factor from SI
 QUANTITIES = {
@@ -285,9 +286,10 @@ class Book:
 
 
 def write_numbers(sheet: Any, row: int, col: int, values: Any, form: Any) -> None:
-    """Write numbers down a column; what is not known stays empty."""
-    numbers = np.asarray(values, dtype=float).tolist()
-    sheet.write_column(row, col, [None if np.isnan(value) else value for value in numbers], form)
+    """Write numbers down a column; what is not known stays empty, and small numbers keep their digits."""
+    for k, value in enumerate(np.asarray(values, dtype=float).tolist()):
+        if not np.isnan(value):
+            sheet.write_number(row + k, col, value, None if ROUNDING < abs(value) < FEW_DIGITS else form)
 
 
 def finish(sheet: Any, head: int, rows: int, columns: int, fixed: int) -> None:
