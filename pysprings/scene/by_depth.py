@@ -243,6 +243,7 @@ STRONGER = (
     "young_modulus", "shear_modulus", "rigidity_ratio", "undrained_shear_strength", "friction_angle_final",
     "critical_friction_angle", "cohesion", "relative_density", "degradation_strain", "degradation_limit",
     "friction_coefficient", "adhesion_factor", "compression_factor", "direct_shear_factor", "extension_factor",
+    "friction_angle_initial", "dilation_angle", "softening_strain",
 )  # fmt: skip
 
 

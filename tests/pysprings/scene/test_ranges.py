@@ -167,6 +167,7 @@ def test_the_schema_of_an_editor_accepts_ranges(tmp_path) -> None:
         ("friction_angle_final", '"39 deg"', '"36 deg"', '"33 deg"', "the least friction_angle_final: swap"),
         ("friction_angle_final", '"33 deg"', '"0.7 rad"', '"39 deg"', "best, 0.7 rad, is not between low and high"),
         ("young_modulus", '"0.2GPa"', '"40 MPa"', '"20MPa"', "the least young_modulus: swap low and high"),
+        ("dilation_angle", '"8 deg"', '"5 deg"', '"0 deg"', "the least dilation_angle: swap low and high"),
         ("hardening_parameter", "0.001", "0.002", "0.005", "the largest hardening_parameter: swap low and high"),
         ("K0", "0.7", "0.9", "0.5", "best, 0.9, is not between low and high"),
     ],
