@@ -186,13 +186,13 @@ def predict(
     if wanted and "u" not in states:
         refuse("--stiffness", "is that of one plane: leave it out with loads or motions in six degrees of freedom")
     matrices = _matrices(springs, states, question, asking, form) if wanted else None
+    stiffnesses = predictions.stiffness(matrices) if matrices else {}
     if out is not None:
-        predictions.write(states, predictions.stiffness(matrices) if matrices else {}, out)
-        print(out)
-        return
+        predictions.write(states, stiffnesses, out)
     if as_json:
-        print_json(predictions.prediction(states) | (predictions.stiffness(matrices) if matrices else {}))
-        return
+        return print_json(predictions.prediction(states) | stiffnesses)
+    if out is not None:
+        return print(out)
     predictions.print_prediction(states)
     if matrices:
         predictions.print_stiffness(matrices)

@@ -234,8 +234,8 @@ def test_v_of_a_sequence_is_given_once(springs_file: Path, tmp_path: Path) -> No
 def test_every_quantity_of_a_written_answer_has_its_unit(springs_file: Path, tmp_path: Path) -> None:
     table, out = tmp_path / "sequence.csv", tmp_path / "answer.csv"
     table.write_text("u [mm],arm [m],time [min]\n0.2,0,1\n0.4,0,2\n")
-    done = command("predict", springs_file, "--sequence", table, "--out", out)
-    assert done.code == 0, done.err
+    done = command("predict", springs_file, "--sequence", table, "--out", out, "--json")
+    assert json.loads(done.out)["states"][-1]["u"] == pytest.approx(4e-4), done.err  # and the file
     lines = [line for line in out.read_text().splitlines() if not line.startswith("#")]
     read = dict(zip(lines[0].split(","), lines[-1].split(","), strict=True))
     assert (float(read["u_m"]), float(read["time_s"])) == (4e-4, 120.0)
