@@ -55,9 +55,11 @@ def csv_text(frame: pd.DataFrame) -> str:
 def springs_text(source: Source, _options: Options) -> str:
     """Return the spring set as strict JSON text (SI)."""
     springs = with_stored(source.springs)
+    stiffness = springs.dataset["stiffness_initial"]
+    rows = {"dofs": stiffness["dof"].values, "comment": stiffness.attrs.get("comment", "")}  # its unit is none
     document = {
         "attributes": {str(name): value for name, value in springs.attrs.items()},
-        "stiffness_initial": _variable(springs.dataset["stiffness_initial"]),
+        "stiffness_initial": _variable(stiffness) | rows,
         "paths": {name: _group(path.recorded) for name, path in paths_of(springs).items()},
     }
     for name, node in springs.children.items():  # paths out of one plane, elements that remember, spread of an atlas

@@ -282,8 +282,8 @@ def test_json(springs):
     document = json.loads(exporters.text(springs, "json"))
     assert document["attributes"]["schema"] == "pysprings-springs-4"
     p = document["paths"]["high"]["variables"]["p_component"]
-    assert p["units"] == "N m-1"
-    assert p["dims"] == ["depth", "side", "component", "step"]
+    assert (p["units"], p["dims"]) == ("N m-1", ["depth", "side", "component", "step"])
+    assert document["stiffness_initial"]["dofs"] == ["u", "w", "rotation"]
     np.testing.assert_array_equal(p["values"], springs["paths/high/p_component"].values)
 
 
