@@ -71,7 +71,8 @@ def _foreign(here: KeyPath, given: set[str], laws: list[str]) -> Iterator[Clash]
     taken = {key for law in laws for key in (*SOIL_LAWS[law].keys, *SOIL_LAWS[law].unused)}
     for name in LAW_KEYS:
         if name in given and name not in taken:
-            clay = SOIL_LAWS[laws[0]].total_stress and not name.startswith("shear")
+            of_sand = name.startswith(("friction", "hardening", "dilation", "cohesion"))
+            clay = SOIL_LAWS[laws[0]].total_stress and of_sand
             expected = f"its strength is {SOIL_LAWS[laws[0]].cap}" if clay else f"it is that of {owners(name)}"
             yield Clash(((*here, name),), f'is not used by law "{laws[0]}": {expected}')
 

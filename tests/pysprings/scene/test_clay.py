@@ -335,6 +335,7 @@ def test_unusual_clay_is_named(old, new, words):
             },
             "its strength is undrained_shear_strength",
         ),
+        ("tresca", {"compression_factor": 1.2}, 'it is that of "von-mises", "iwan-clay"'),
     ],
 )  # fmt: skip
 def test_keys_of_other_laws_are_named_in_the_order_of_the_reference(law, keys, why):
