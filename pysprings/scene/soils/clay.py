@@ -250,6 +250,9 @@ class VonMises(Tresca):
                 yield Clash(keys, f"{pair} must be more than direct shear ({direct:g})")
         yield from super().faults(soil, stresses)
 
+    def derived(self, stratum: Stratum, depth: np.ndarray) -> dict[str, float]:
+        return {name: 1.0 for name in FACTORS if stratum.factors is not None and name not in stratum.values}
+
     def word(self, stratum: Stratum) -> str:
         return self.name if stratum.factors is None else "anisotropic"
 

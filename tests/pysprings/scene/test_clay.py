@@ -9,7 +9,7 @@ import pytest
 from fe_engine.soil import anisotropic, iwan_clay
 from pysprings.model.forecast.estimate import profile
 from pysprings.model.soil_laws import soil_materials
-from pysprings.scene.defaults import implausible
+from pysprings.scene.defaults import defaulted, implausible
 from pysprings.scene.interface import api_factor
 from tests.support import tiny
 
@@ -184,6 +184,7 @@ def test_factors_of_su_choose_the_law_and_are_printed_by_depth():
     assert [bottom[f"su_{name}_Pa"] for name in names] == pytest.approx([29e3 * f for f in (1.3, 1.0, 0.7)])
     assert tiny.parsed(CLAY).sha256 != scene.sha256
     assert "su_compression_Pa" not in profile(tiny.parsed(CLAY))[0]
+    assert [row["value"] for row in defaulted(scene) if row["key"].endswith("_factor")] == [1.0]  # of direct shear
 
 
 @pytest.mark.parametrize(
