@@ -496,7 +496,7 @@ def _make_variables(data: Any, dims: tuple[str, ...], paths: tuple[str, ...]) ->
         number(name, ("path",), unit, text)
     for name, (_, _, unit) in STIFFNESSES.items():
         number(name, (), unit, "initial stiffness at the lid centre, where water flows that of a sudden load")
-    number("stiffness_initial", ("dof", "dof_conjugate"), "N/m, N, N m")
+    number("stiffness_initial", ("dof", "dof_conjugate"), "1", "mixed units: N/m, N/rad, N m/rad")
     for name, (unit, text) in NUMBERS.items():
         number(name, (), unit, text)
 

@@ -111,6 +111,7 @@ def test_a_study_that_keeps_all_files_makes_those_that_are_missing(tmp_path):
 def test_the_dataset_has_a_dimension_an_axis_and_the_numbers_of_each_run(ended):
     with dataset.open_study(ended.out) as data:
         assert data["K_H"].dims == ("young_modulus", "mu") and data["young_modulus"].attrs["units"] == "MPa"
+        assert data["stiffness_initial"].attrs["units"] == "1"  # its long name has those of its entries
         assert data["p"].dims == ("young_modulus", "mu", "path", "depth_share", "share")
         case = data.sel(young_modulus=200.0, mu=0.3)
         assert int(case["case_number"]) == 3
