@@ -53,7 +53,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     except Exception as error:
         wrapped = error.args and isinstance(error.args[0], OSError)  # by a writer of workbooks
         cause = error.args[0] if wrapped else error
-        if isinstance(cause, OSError) and cause.errno and cause.filename is None:  # of a full disk
+        if isinstance(cause, OSError) and cause.errno and temporary.name in str(cause.filename or temporary):
             cause.filename = os.fspath(target)
         if wrapped:
             raise cause from None

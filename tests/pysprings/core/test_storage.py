@@ -82,6 +82,9 @@ def test_failed_write_keeps_the_old_file(tmp_path):
 def test_a_workbook_on_a_full_disk_is_an_error_of_the_system(tmp_path):
     with pytest.raises(OSError, match=r"No space left on device: '.*a\.xlsx'"), replacing(tmp_path / "a.xlsx"):
         raise FileCreateError(OSError(errno.ENOSPC, "No space left on device"))
+    with pytest.raises(PermissionError) as refused, replacing(tmp_path / "b.csv") as temporary:
+        raise PermissionError(errno.EACCES, "Permission denied", str(temporary))
+    assert refused.value.filename == str(tmp_path / "b.csv")  # not the file beside it
 
 
 def _truncated(tmp_path):
