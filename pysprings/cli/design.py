@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 from pysprings.cli.folders import all_folders_of, folders_of, refuse_read
 from pysprings.cli.options import Json, Rate, SpringSet, argument, option
 from pysprings.cli.support import print_json, print_table, quantities, refuse
+from pysprings.core.text import shared
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -164,7 +165,6 @@ def _answers(
     """Return all answers, those that govern (of several estimates the largest over them), and the springs of one."""
     from pysprings.cli.inputs import springs_or_table
     from pysprings.full_model.run_record import RunRecord
-    from pysprings.results.estimates import shared
     from pysprings.studies.design import governing
 
     sets = all_folders_of(result)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pysprings.cli.support import print_json, print_table, refuse, to_stderr
+from pysprings.core.text import shared
 from pysprings.core.words import ESTIMATES, OF_ESTIMATE
 from pysprings.core.written import exclusive, is_unfinished, new_folder, scene_of_holder
 
@@ -147,7 +148,7 @@ def show_together(folder: Path, estimates: Sequence[str], as_json: bool, quiet: 
     """Write and print what shows the runs side by side; nothing is made of fewer than two with springs."""
     from pysprings.cli.compare import open_run
     from pysprings.cli.results import results
-    from pysprings.results.estimates import shared, table_of, write_together
+    from pysprings.results.estimates import table_of, write_together
 
     files: list[Path] = []
     runs = {name: open_run(place, name) for name, place in folders_of(folder).items() if name in estimates}

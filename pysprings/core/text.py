@@ -6,7 +6,7 @@ import json
 import math
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import zip_longest
 from typing import Any
 
@@ -49,6 +49,12 @@ def with_prefix(value: float, unit: str, digits: int = 4) -> str:
     steps = (("G", 1e9, 1e10), ("M", 1e6, 1e5), ("k", 1e3, 1.0), ("", 1.0, -1.0))
     letter, scale = next((letter, scale) for letter, scale, least in steps if not size < least)
     return f"{_real(float(value) / scale, digits)} {letter}{unit}"
+
+
+def shared(notes: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the notes of runs, each once, behind the names of those that have it where others do not."""
+    names = {note: [name for name in notes if note in notes[name]] for own in notes.values() for note in own}
+    return [f"{', '.join(of)}: {note}" if of != [*notes] else note for note, of in names.items()]
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

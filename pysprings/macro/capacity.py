@@ -17,7 +17,7 @@ and at this vertical load comes first: beyond it the macro-model has no answer, 
 path met a limit load (`past_ends`). Where V is beyond the largest known vertical load, no H and M are known.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Self
 
@@ -241,7 +241,8 @@ def _named(ways: _Ways, state: Array, size: Array) -> tuple[Array, Texts, Texts]
     kind, source = np.empty(len(end), dtype=object), np.empty(len(end), dtype=object)
     for i, (u, rotation) in enumerate(state):
         at = f"at u = {u:.4g} m, rotation = {rotation:.4g} rad"
-        from_ = _origin(ways.model, state[i])
+        names = ways.model.response.paths_at(state[i : i + 1])[0]
+        from_ = _origin(names)
         if peak[i] > end[i] * (1.0 + ROUNDING):
             kind[i], source[i] = SPRING_LIMIT, f"the load falls before the springs of {from_} end"
         elif moved[i] > 1.0 - 1e-3:
@@ -254,10 +255,8 @@ def _named(ways: _Ways, state: Array, size: Array) -> tuple[Array, Texts, Texts]
         else:
             kind[i] = RANGE_END
             source[i] = f"{from_}, {at}; {100.0 * left[i]:.2g} % of the initial stiffness is left: more is not known"
-            ends = (ways.model.ends.get(name) for name in ways.model.response.paths_at(state[i : i + 1])[0])
-            source[i] += "".join(
-                f"; path '{end.path}' stopped: {end.why}" for end in ends if end and end.how == STOPPED
-            )
+            stops = [each for name in names if (each := ways.model.ends.get(name)) and each.how == STOPPED]
+            source[i] += "".join(f"; path '{each.path}' stopped: {each.reason}" for each in stops)
     return peak, kind, source
 
 
@@ -302,10 +301,9 @@ def _stiffness_left(ways: _Ways, state: Array, size: Array) -> tuple[Array, Arra
     return left, growth
 
 
-def _origin(model: MacroModel, state: Array) -> str:
-    """Return words for the paths that the springs at a state (2,) come from."""
-    names = [f"'{name}'" for name in model.response.paths_at(state[None])[0]]
-    return f"{'paths' if len(names) > 1 else 'path'} {' and '.join(names)}"
+def _origin(names: Sequence[str]) -> str:
+    """Return words for the paths that the springs at a state come from."""
+    return ("paths " if len(names) > 1 else "path ") + " and ".join(f"'{name}'" for name in names)
 
 
 def past_ends(

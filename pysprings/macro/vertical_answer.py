@@ -217,7 +217,7 @@ def largest_vertical(model: MacroModel, V: float) -> tuple[float, str, str]:
     kind = "limit load of the springs" if branch.is_flat and not stopped else RANGE_END
     pace = f" ({1e3 * branch.rate:.3g} mm/s)" if branch.rate and model.rate else ""
     source = f"path '{branch.path}'{pace}, at a settlement of {branch.sign * branch.end[0]:.4g} m from rest"
-    return largest, kind, f"{source}; it stopped: {end.why}" if end is not None and stopped else source
+    return largest, kind, f"{source}; it stopped: {end.reason}" if end is not None and stopped else source
 
 
 def with_vertical_use(model: MacroModel, answer: xr.Dataset) -> xr.Dataset:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Runs of the low, best and high estimate of a scene beside each other: tables, workbook, pictures and page."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -133,12 +133,6 @@ def _joined(folder: Path, table: str, runs: Mapping[str, Run]) -> Path:
         head, *rows = (folder / name / table).read_text(encoding="utf-8").splitlines()
         lines += [f"estimate,{head}"] * (not lines) + [f"{name},{row}" for row in rows]
     return write_text("\n".join(lines) + "\n", folder / table)
-
-
-def shared(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return the notes of runs, each once, behind the names of those that have it where others do not."""
-    names = {note: [name for name in notes if note in notes[name]] for own in notes.values() for note in own}
-    return [f"{', '.join(of)}: {note}" if of != [*notes] else note for note, of in names.items()]
 
 
 def _status(record: RunRecord) -> str:

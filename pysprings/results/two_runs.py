@@ -111,33 +111,29 @@ def _stiffness(first: Run, second: Run) -> Iterator[Row]:
 
 def _paths(first: Run, second: Run) -> Iterator[Row]:
     one, other = ({**paths_of(run.result), **space_paths_of(run.result)} for run in (first, second))
-    across = [
-        name for name, path in space_paths_of(first.result).items()
-        if isinstance(other.get(name), SpacePath) and path.kind == other[name].kind
-    ]  # fmt: skip
+    spaces = (name for name, path in one.items() if isinstance(path, SpacePath) and name in other)
+    across = [name for name in spaces if isinstance(other[name], SpacePath) and one[name].kind == other[name].kind]
     common = [*common_paths(first, second), *across]
     for name in (name for name in dict.fromkeys([*one, *other]) if name not in common):
         kinds = [each[name].kind if name in each else "-" for each in (one, other)]
         yield Row(f"path {name}", "not compared", kinds[0], kinds[1])
     for name in common:
-        a, b = one[name], other[name]
+        part, a, b = f"path {name}", one[name], other[name]
         if not same_load(a.load, b.load):
-            yield _row(f"path {name}", "V at its start", "kN", 1e-3 * a.load, 1e-3 * b.load)
+            yield _row(part, "V at its start", "kN", 1e-3 * a.load, 1e-3 * b.load)
         heights = [height for each in (a, b) if (height := height_of_load(each.attrs)) is not None]
         if len(heights) == 2 and not math.isclose(*heights):
-            yield _row(f"path {name}", "height of its load", "m", *heights)
+            yield _row(part, "height of its load", "m", *heights)
         if isinstance(a, SpacePath) and isinstance(b, SpacePath):
-            yield from _in_space(
-                f"path {name}", a, b, [0.5 * each.result.attrs["outer_diameter_m"] for each in (first, second)]
-            )
+            yield from _in_space(part, a, b, [0.5 * each.result.attrs["outer_diameter_m"] for each in (first, second)])
             continue
         if a.rate and b.rate and not is_rate(a.rate, b.rate):
-            yield _row(f"path {name}", "rate", "mm/s", 1e3 * a.rate, 1e3 * b.rate)
-        yield from _along(f"path {name}", a, b)
-        yield Row(f"path {name}", "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
+            yield _row(part, "rate", "mm/s", 1e3 * a.rate, 1e3 * b.rate)
+        yield from _along(part, a, b)
+        yield Row(part, "error of the mesh on the load", _mesh(first, name), _mesh(second, name))
         ends = [end_of(name, before_cavitation(each.dataset)) for each in (a, b)]
         if any(end.failed for end in ends):
-            yield Row(f"path {name}", "end", ends[0].words, ends[1].words)
+            yield Row(part, "end", ends[0].words, ends[1].words)
 
 
 def _in_space(part: str, a: SpacePath, b: SpacePath, radii: list[float]) -> Iterator[Row]:

@@ -105,9 +105,7 @@ def _unused(scene: SceneSections, name: str) -> tuple[str, ...]:
     if name == "domain":
         return () if flows else ("side_drainage",)
     if name == "interface":
-        beside = [each for each in strata if each.top <= scene.caisson.skirt_length]
-        frictionless = ("friction_coefficient",) * all(each.total_stress for each in beside)
-        return (*(() if wet else _FLOW), *frictionless)
+        return (*(() if wet else _FLOW), *("friction_coefficient",) * _beside_clay(scene))
     if name == "drainage":
         dry = ("porosity", "water_bulk_modulus", "water_viscosity", "stabilisation")
         weight = () if holds_suction(scene) else ("water_unit_weight",)
@@ -159,16 +157,19 @@ def _of_paths(scene: SceneSections) -> Iterator[Row]:
             yield row_of(f"path.{path.name}.arm", path.arm, type(path), "arm")
 
 
+def _beside_clay(scene: SceneSections) -> bool:
+    return all(each.total_stress for each in scene.ground.strata if each.top <= scene.caisson.skirt_length)
+
+
 def _idle(scene: SceneSections) -> Iterator[str]:
     """Yield a remark on keys of the fan and on friction that the scene gives and makes no use of."""
-    springs, tip = scene.springs, scene.caisson.skirt_length
+    springs = scene.springs
     given = [key for key in ("rays", "vertical_loads", "rates", "memory", "directions") if getattr(springs, key)]
     if given and springs.reach is None:
         yield f"springs.{', '.join(given)}: no effect, since there is no fan without springs.reach"
     elif len(springs.rates) > 1 and scene.drainage.mode != "coupled":
         yield f"springs.rates: no water flows in time: the paths are computed {len(springs.rates)} times, all the same"
-    clay = all(each.total_stress for each in scene.ground.strata if each.top <= tip)
-    if clay and "friction_coefficient" in scene.interface.model_fields_set:
+    if _beside_clay(scene) and "friction_coefficient" in scene.interface.model_fields_set:
         yield "interface.friction_coefficient has no effect: beside undrained clay adhesion_factor limits the shear"
 
 

@@ -374,7 +374,7 @@ def _cells(depth: Array, index: Array, net: Array) -> tuple[Array, Array]:
     good = np.isfinite(index) & (net > 0.0)
     edges, values = [float(depth[0])], []
     cells = np.unique(at[good])
-    for cell, below in zip(cells, [*cells[1:], cells[-1:].sum() + 1], strict=False):
+    for cell, below in zip(cells, np.append(cells[1:], cells[-1:] + 1), strict=True):
         rows = good & (at == cell)
         values.append([float(np.median(index[rows])), float(np.median(np.log(net[rows])))])
         edges.append(min(float(depth[0] + 0.5 * (cell + 1 + below) * height), float(depth[-1])))

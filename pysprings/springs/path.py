@@ -277,7 +277,7 @@ class SpringPath(RecordedPath):
 
     @cached_property
     def dataset(self) -> xr.Dataset:
-        """The converged steps, of a memory's or before cavitation, with the name as attribute ``path``."""
+        """The converged steps before cavitation, all of a path for memory, with the name as attribute ``path``."""
         found = self._converged()
         return found.drop_vars(MARGIN, errors="ignore") if self.remembers else before_cavitation(found)
 

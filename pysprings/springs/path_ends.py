@@ -56,6 +56,11 @@ class PathEnd:
         """True where the full model found no state beyond the end."""
         return self.how in (LIMIT_LOAD, STOPPED)
 
+    @property
+    def reason(self) -> str:
+        """Why it stopped, without the place and the residuals of the last attempt."""
+        return self.why.partition(" (")[0]
+
     def attributes(self) -> dict[str, float]:
         """Return the last state by the names that files have."""
         return {key: float(getattr(self, name)) for name, key in NUMBERS.items()}
@@ -72,8 +77,7 @@ class PathEnd:
         known = np.isfinite([self.H, self.M]).all() and size >= least  # a vertical path has neither
         loads = f" at {loads_in_words(self.H, self.M)}" if known else ""
         loads += f" (u = {self.u:.4g} m, rotation = {self.rotation:.4g} rad)" if known and np.isfinite(self.u) else ""
-        reason = self.why.partition(" (")[0]  # without the place and the residuals of the last attempt
-        why = f" ({reason})" if reason and self.failed else ""
+        why = f" ({self.reason})" if self.reason and self.failed else ""
         return f"{words.get(self.how, 'ended in a way that is not known')}{loads}{why}"
 
 

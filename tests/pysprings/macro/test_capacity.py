@@ -53,7 +53,7 @@ def test_the_end_of_the_range_is_no_capacity() -> None:
     assert answer.attrs["capacity_kind"] == "end of the range"
     assert answer.attrs["capacity_from"].endswith("more is not known")
     (path,) = tree["paths"].children.values()
-    path.attrs |= {"end": "stopped", "end_reason": "the water would cavitate beyond"}
+    path.attrs |= {"end": "stopped", "end_reason": "the water would cavitate beyond (node 3); last residuals: 1"}
     stopped = predict(tree, H=1e6, M=-2e6).attrs["capacity_from"]
     assert stopped.endswith(f"more is not known; path '{path.name}' stopped: the water would cavitate beyond")
     assert float(answer["utilisation"]) == pytest.approx(0.5, rel=1e-5)
